@@ -20,7 +20,7 @@ from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.results import COLUMNS, flat
 from inertialcal.lots import block as block_module
-from inertialcal.lots import publish, workers
+from inertialcal.lots import page, publish, workers
 from inertialcal.lots.ledger import Ledger
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.protocol import Procedure
@@ -100,7 +100,7 @@ def test_a_bad_unit_is_quarantined_with_its_reason_and_the_others_go_on(tmp_path
     (lot / "u003" / "rates.csv").write_bytes(b"PAR1 rubbish PAR1")
     # Without any file of the campaign it is no unit, which is told
     outcome = ic.lot(lot, tmp_path / "out", workers=2)
-    assert [one.code for one in outcome.remarks] == ["no_unit"]
+    assert outcome.remarks[0].code == "no_unit"
     found = {str(one["serial"]): one for one in rows(tmp_path / "out")}
     assert "u001" not in found
     assert [str(one["status"]) for one in found.values()].count("quarantined") == 2
@@ -230,6 +230,41 @@ def test_a_part_holds_a_fixed_number_of_units(tmp_path: Path, monkeypatch: pytes
     content = json.loads((tmp_path / "out" / "lot.json").read_text(encoding="utf-8"))
     assert [one["units"] for one in content["parts"]] == [5, 5, 2]
     assert [one["number"] for one in rows(tmp_path / "out")] == list(range(12))
+
+
+@pytest.mark.parametrize("what", ["statistics", "report"])
+def test_rows_of_units_stand_whatever_becomes_of_the_rest(
+    made: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    lot, (_, out) = made[0], copied(made, tmp_path)
+
+    def broken(*given: object) -> None:
+        raise ZeroDivisionError("of a test")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(*((publish, "study") if what == "statistics" else (page, "lot_page")), broken)
+        outcome = ic.lot(lot, out, resume=True, workers=0)
+    assert (outcome.exit_status, outcome.redone, outcome.counts["done"]) == (3, 0, 12)
+    assert "ZeroDivisionError" in (out / "logs" / f"{what}.txt").read_text(encoding="utf-8")
+    content = json.loads((out / "lot.json").read_text(encoding="utf-8"))
+    assert [one["code"] for one in content["remarks"]] == [f"no_{what}"]
+    assert (content["statistics"] is None) is (what == "statistics")
+    assert not (out / "report.html").exists()
+    assert "internal error (ZeroDivisionError: of a test)" in outcome.remarks[0].what
+    assert rows(out) == rows(made[1])
+    assert ic.lot(lot, out, resume=True, workers=0).exit_status == 1
+    assert digests(out) == digests(made[1])
+
+
+def test_a_recording_copied_over_that_of_another_unit_is_named(tmp_path: Path) -> None:
+    lot = folder_lot(tmp_path / "lot", 4)
+    shutil.copy(lot / "u001" / "rates.csv", lot / "u002")
+    for one in lot.glob("u*"):
+        (one / "sections.csv").write_text("the same for all", encoding="utf-8")
+    outcome = ic.lot(lot, tmp_path / "out", workers=0, report=False)
+    (said,) = [one for one in outcome.remarks if one.code == "same_recording"]
+    assert "u001 and u002" in said.what
+    assert said.count == 1
 
 
 def test_what_is_read_back_is_what_was_written(made: tuple[Path, Path], tmp_path: Path) -> None:

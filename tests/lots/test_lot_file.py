@@ -99,6 +99,46 @@ def test_serial_numbers_stay_text_and_other_columns_keep_their_types(tmp_path: P
     assert codes(path)[0][0] == "wrong_type"
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])
+def test_a_table_of_units_as_a_german_program_writes_it(tmp_path: Path, encoding: str) -> None:
+    """Semicolons, decimal commas, a heading of its own for the serial number; what names a folder stays as it is."""
+    root = folder_lot(tmp_path / "lot", 1)
+    (root / "u000").rename(root / "007-Ä1")
+    cells = (
+        "Seriennummer;Los;Prüfplatz;Temperatur;Geprüft am\r\nÄ1;007;P1;21,5;12.03.2026 08:30\r\nÄ2;008;P2;;heute\r\n"
+    )
+    text = "serial = 'Seriennummer'\nfolder = '{Los}-{serial}'\n[line]\nstation = 'Prüfplatz'\nplace = 'Geprüft am'\n"
+    path = lot_of(root, text)
+    (root / "units.csv").write_bytes(cells.encode(encoding))
+    outcome = ic.lot(path, tmp_path / "out", workers=0, report=False)
+    found = rows(tmp_path / "out")
+    assert [one["serial"] for one in found] == ["Ä1", "Ä2"]
+    assert [one["reason_code"] for one in found] == ["", "missing_file"]
+    assert [one["Temperatur"] for one in found] == [21.5, None]
+    assert ("not_utf8" in {one.code for one in outcome.remarks}) is (encoding == "cp1252")
+    (root / "units.csv").write_bytes(cells.replace("Seriennummer", "Nummer").encode(encoding))
+    with pytest.raises(InertialcalError, match="It has: Nummer, Los, Prüfplatz"):
+        load_lot(path)
+
+
+def test_files_that_say_whose_they_are_by_a_pattern(tmp_path: Path) -> None:
+    """A file a day with semicolons and decimal commas, and one with the readings of another unit."""
+    root = folder_lot(tmp_path / "lot", 4)
+    for day, units in (("1", (0, 1)), ("2", (2, 0))):
+        said = [f"Nr;{line}" if not k else f"u{unit:03d};{line}" for unit in units
+                for k, line in enumerate((root / f"u{unit:03d}" / "rates.csv").read_text(encoding="utf-8").splitlines())
+                if k or unit == units[0]]  # fmt: skip
+        (root / f"{day}.csv").write_text("\n".join(said).replace(",", ";").replace(".", ",") + "\n", encoding="utf-8")
+    text = "[files]\nrates = { file = '{day}.csv', serial = 'Nr' }\n"
+    path = lot_of(root, text, "serial,day\nu000,1\nu001,1\nu002,2\nu003,2\nu004,3\n")
+    ic.lot(path, tmp_path / "out", workers=0, report=False)
+    found = rows(tmp_path / "out")
+    assert [one["reason_code"] for one in found] == ["", "", "", "no_rows", "missing_file"]
+    alone = lot_of(root, "folder = '{serial}'\n", "serial\nu000\nu001\nu002\n")
+    ic.lot(alone, tmp_path / "alone", workers=0, report=False)
+    assert [one["results"] for one in found[:3]] == [one["results"] for one in rows(tmp_path / "alone")]
+
+
 def test_a_unit_that_stands_in_the_table_twice_is_refused(tmp_path: Path) -> None:
     lot = shared_lot(tmp_path / "lot", 3)
     table = tmp_path / "lot" / "units.csv"

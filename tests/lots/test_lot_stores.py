@@ -11,11 +11,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from s3_server import KEY, served
-from small_lot import digests, folder_lot, rows, shared_lot
+from small_lot import CAMPAIGN, digests, folder_lot, rows, shared_lot
 
 import inertialcal as ic
 from inertialcal.campaign.file.recordings import RecordingEntry
 from inertialcal.core.errors import InertialcalError
+from inertialcal.lots import stores
 from inertialcal.lots.stores import Delivery, Place, Shared, UnitStore
 
 SECRET = "never-written-anywhere"
@@ -111,6 +112,20 @@ def delivered(folder: Path, table: pa.Table, rows_of_a_group: int) -> dict[int, 
             assert len(store.table("all.parquet")) == len(one)
             found[number] = one.source.sha256, [repr(channel.data.tolist()) for channel in one.channels]
     return found
+
+
+def test_a_store_that_cannot_be_reached_is_refused_soon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stores, "PATIENCE", 1)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
+    (tmp_path / "units.csv").write_text("serial\n1\n2\n", encoding="utf-8")
+    told = {"hdfs://nowhere/x": "wrong_value", "nfs://nowhere/x": "wrong_value"}
+    told["gs://anonymous@nowhere/x?scheme=http&endpoint_override=127.0.0.1%3A9"] = "unreachable"
+    for store, code in told.items():
+        text = f'schema = 1\nid = "lot"\nunits = "units.csv"\nfolder = "{{serial}}"\nstore = "{store}"\n'
+        (tmp_path / "LOT.toml").write_text(text, encoding="utf-8")
+        with pytest.raises(InertialcalError) as error:
+            ic.lot(tmp_path, tmp_path / "out", workers=0, resume=(tmp_path / "out" / "ledger.sqlite").is_file())
+        assert [one.code for one in error.value.problems] == [code]
 
 
 def test_rows_of_a_unit_are_the_same_wherever_they_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

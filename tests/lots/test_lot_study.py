@@ -121,6 +121,17 @@ def test_odd_units_are_named_and_in_no_capability() -> None:
     assert found.passed.of == 400
 
 
+@pytest.mark.parametrize("form", ["{0:02d}.03.2026 08:00", "{0}.3.2026", "2026-03-{0:02d}T08:00:00", "heute"])
+def test_days_are_read_as_they_are_written_or_it_is_said(form: str) -> None:
+    drawn = lot(400, 5, drift=0.6)
+    days = pa.array([form.format(1 + i * 27 // len(drawn)) for i in range(len(drawn))])
+    columns = drawn.columns.set_column(drawn.columns.column_names.index("tested"), "tested", days)
+    found = study(Table(**{**vars(drawn), "columns": columns}), LINE)
+    said = {one.code for one in found.remarks}
+    assert bool(found.drifting) is (form != "heute")
+    assert ("no_place" in said) is (form == "heute")
+
+
 def test_a_drift_is_named() -> None:
     found = study(lot(400, 5, drift=0.6), LINE)
     assert [one.figure.quantity for one in found.drifting] == ["scale_factor_error"]

@@ -163,7 +163,10 @@ def files_of(job: Job, given: Given) -> dict[str, str]:
         ``bad_path``, ``outside``.
     """
     root = job.place.store if job.place.is_local else ""
-    return {name: one.file if isinstance(one, Shared) else file_of(one, given.texts, root) for name, one in job.files}
+    return {
+        name: one.of_unit(given.texts, root).file if isinstance(one, Shared) else file_of(one, given.texts, root)
+        for name, one in job.files
+    }
 
 
 def own_files(job: Job, given: Given) -> dict[str, dict[str, str]]:

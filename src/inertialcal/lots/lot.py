@@ -21,6 +21,7 @@ from ..campaign.engine.status import EXIT
 from ..core.errors import PlanError, Problem, StoreError, UsageError
 from ..core.interruption import interruption
 from ..core.remarks import Remark
+from ..core.show.result_tables import remarks_line
 from ..core.show.tables import Block as Part
 from ..core.show.tables import Table, html, text
 from .block import Block, Given, Job, files_of, log_name, unit_key
@@ -54,7 +55,7 @@ class LotOutcome:
     content : dict
         Of ``lot.json``.
     remarks : tuple of Remark
-        What reading it brought up.
+        What reading it and its statistics brought up, and what could not be made of it.
     redone : int
         Units that were reduced now.
     kept : int
@@ -67,7 +68,7 @@ class LotOutcome:
     redone: int = 0
     kept: int = 0
     archived: int = 0  # Units that an archive did not have
-    statistics: Study | None = None  # Over the units
+    statistics: Study | None = None  # Over the units; nothing where these failed
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -77,8 +78,8 @@ class LotOutcome:
 
     @property
     def exit_status(self) -> int:
-        """3 where a unit is in quarantine, else 1 where one FAILs, else 4 where one is INCONCLUSIVE, else 0."""
-        if self.counts["quarantined"]:
+        """3 where a unit, statistics or report failed; else 1 for a FAIL, 4 for one that is INCONCLUSIVE, 0."""
+        if self.counts["quarantined"] or any(one.severity == "error" for one in self.remarks):
             return 3
         return next((EXIT[one] for one in ("FAIL", "INCONCLUSIVE") if self.counts[one]), 0)
 
@@ -111,13 +112,13 @@ class LotOutcome:
 
     def __str__(self) -> str:
         """Return what is shown as text."""
-        return text(self.parts())
+        return text((*self.parts(), *remarks_line(self.remarks)))
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         """Return what is shown for a notebook."""
-        return html(self.parts())
+        return html((*self.parts(), *remarks_line(self.remarks)))
 
 
 def lot(
@@ -294,7 +295,7 @@ class _Lot:
             ledger.sweep()
             noted = ledger.units()
             with interruption.held():
-                content, statistics = publish_lot(
+                content, statistics, failed = publish_lot(
                     self.folder,
                     self.lot,
                     self.job.version,
@@ -308,7 +309,13 @@ class _Lot:
             who.close()
             ledger.close()
         return LotOutcome(
-            self.folder, content, self.lot.remarks, self.redone, len(keys) - self.redone, self.added, statistics
+            self.folder,
+            content,
+            (*self.lot.remarks, *failed, *(statistics.remarks if statistics is not None else ())),
+            self.redone,
+            len(keys) - self.redone,
+            self.added,
+            statistics,
         )
 
     def _workers(self, workers: int | None, scheduler: str) -> Workers:

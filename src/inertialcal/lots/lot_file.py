@@ -41,14 +41,14 @@ from ..core.schema.problems import model_problems
 from ..core.schema.quantities import Name, Strict, Text
 from ..core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ..files.source import checked_path, read_bytes
-from .units import Units, folder_units, read_units
+from .units import SERIAL, Units, folder_units, read_units
 
 MOST = 100  # problems that are listed
 COLUMN = re.compile(r"\{([^{}]*)\}")
 
 
 class SharedFile(Strict):
-    """{ file, serial, match }: a file that holds many units, a column of it says which."""
+    """{ file, serial, match }: a file whose rows say of which unit they are; its name may be a pattern."""
 
     file: Annotated[Text, Field(min_length=1)]
     serial: Annotated[Text, Field(min_length=1)]
@@ -71,6 +71,7 @@ class LotFile(Strict):
     title: Text = ""
     campaign: Annotated[Text, Field(min_length=1)] = FILE
     units: Annotated[Text, Field(min_length=1)]
+    serial: Annotated[Text, Field(min_length=1)] = SERIAL
     store: Text = ""
     endpoint: Text = ""
     region: Text = ""
@@ -78,6 +79,15 @@ class LotFile(Strict):
     files: dict[Name, Annotated[Text, Field(min_length=1)] | SharedFile] = Field(default={})
     options: dict[Annotated[Text, Field(min_length=1)], Text] = Field(default={})
     line: LineTable | None = None
+
+    @property
+    def in_paths(self) -> list[str]:
+        """Columns of the table of units that name files, or rows of files."""
+        named = COLUMN.findall(self.folder)
+        for one in self.files.values():
+            named += COLUMN.findall(one if isinstance(one, str) else one.file)
+            named += () if isinstance(one, str) else one.match.values()
+        return list(dict.fromkeys(named))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +127,7 @@ class Lot:
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """Columns of the table of units that a reduction depends on."""
-        texts = [self.file.folder, *(one for one in self.files.values() if isinstance(one, str))]
-        shared = [one for one in self.files.values() if not isinstance(one, str)]
-        named = [name for text in texts for name in COLUMN.findall(text)]
-        named += [name for one in shared for name in one.match.values()]
-        return tuple(dict.fromkeys(("serial", *named, *self.file.options.values())))
+        return tuple(dict.fromkeys(("serial", *self.file.in_paths, *self.file.options.values())))
 
     @cached_property
     def changes(self) -> dict[str, tuple[str | int, ...]]:
@@ -137,7 +143,7 @@ class Lot:
 
     def digest(self) -> str:
         """Return the SHA-256 of what a reduction depends on: the campaign and what the lot says, not the table."""
-        said = self.file.model_dump(mode="json", exclude={"title", "endpoint", "region", "units", "line"})
+        said = self.file.model_dump(mode="json", exclude={"title", "endpoint", "region", "units", "serial", "line"})
         text = json.dumps([self.template.sha256, said, str(Path(self.store).resolve())], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
@@ -193,8 +199,8 @@ def _of_file(path: Path) -> Lot:
         campaign = load(template, elsewhere=True)
     except PlanError as error:
         raise PlanError([*error.problems, *problems]) from None
-    units = read_units(root / file.units)
-    lot = Lot(path, file, campaign, read_bytes(template / FILE), units, ())
+    units = read_units(root / file.units, file.serial, [one for one in file.in_paths if one != SERIAL])
+    lot = Lot(path, file, campaign, read_bytes(template / FILE), units, units.remarks)
     problems += _names(lot, at)
     if problems:
         raise PlanError(problems)
@@ -211,7 +217,8 @@ def _patterns(file: LotFile, at: At) -> Iterator[Problem]:
             what = f"{'.'.join(key)}: {text!r} leads out of the store"
             why = "every file of a lot lies in its store"
             yield Problem(what, at(*key), why, "Name files from the folder of the store on", "outside")
-    if "@" in file.store.partition("://")[2].partition("/")[0]:
+    user, sign, _ = file.store.partition("://")[2].partition("/")[0].rpartition("@")
+    if sign and user != "anonymous":
         why = "what stands in LOT.toml is copied and archived"
         do = "Set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY in the environment"
         yield Problem("store: a password in the address", at("store"), why, do, "wrong_value")
@@ -230,7 +237,8 @@ def _names(lot: Lot, at: At) -> Iterator[Problem]:
             yield Problem(what, at("files", name), do=do, code="unknown_name")
     used: list[tuple[tuple[str, ...], str]] = [(("folder",), one) for one in COLUMN.findall(file.folder)]
     for name, given in file.files.items():
-        found = COLUMN.findall(given) if isinstance(given, str) else [*given.match.values()]
+        found = COLUMN.findall(given if isinstance(given, str) else given.file)
+        found += () if isinstance(given, str) else given.match.values()
         used += [(("files", name), one) for one in found]
     used += [(("options", key), column) for key, column in file.options.items()]
     if file.line is not None:

@@ -1,6 +1,7 @@
 """What a lot writes: ``units/part-00000.parquet``, ..., ``lot.json``, ``provenance.json``.
 
 The parts are built aside. ``lot.json`` goes first and comes last: where it stands, it is that of the parts beside it.
+The parts stand before statistics and report are begun, so that neither can take them away.
 """
 
 from __future__ import annotations
@@ -8,9 +9,12 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import re
 import shutil
+import traceback
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
@@ -19,14 +23,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..campaign.outcome.publish import version_of_package, versions
-from ..core.errors import DataError, StoreError
+from ..core.errors import DataError, InertialcalError, StoreError
+from ..core.remarks import Remark
 from ..core.schema.json_text import json_text
 from .ledger import Ledger, Noted
-from .lot_file import Lot
+from .lot_file import COLUMN, Lot
 from .rows import OWN
 from .study import Columns, Study, study
 from .table import read_table
 
+FEW = 5  # pairs of units, frames of a fault that are told
 LOT, UNITS, PROVENANCE = "lot.json", "units", "provenance.json"
 NEW = "units.new"
 REPORT = "report.html"
@@ -44,8 +50,10 @@ def publish_lot(
     ledger: Ledger,
     how: Mapping[str, object],
     report: bool = True,
-) -> tuple[dict[str, object], Study]:
-    """Write the parts, the report and ``lot.json``, in place of what stands there; return the content of the latter.
+) -> tuple[dict[str, object], Study | None, tuple[Remark, ...]]:
+    """Write the parts, the report and ``lot.json``, in place of what stands there.
+
+    Where statistics or report fail, the parts and ``lot.json`` stand all the same, and a remark says what is missing.
 
     Parameters
     ----------
@@ -64,6 +72,11 @@ def publish_lot(
     report : bool
         Write ``report.html`` too.
 
+    Returns
+    -------
+    tuple of (dict, Study or None, tuple of Remark)
+        Content of ``lot.json``, the statistics, and what failed.
+
     Raises
     ------
     StoreError
@@ -74,20 +87,6 @@ def publish_lot(
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         parts = [_part(new, lot, ledger, noted, first) for first in range(0, len(noted), PART)]
-        columns = line_of(lot)
-        names = [one for one in (columns.station, columns.place, *columns.factors) if one]
-        found = study(read_table([new / Path(str(one["file"])).name for one in parts], names), columns)
-        content: dict[str, object] = {
-            "format": "inertialcal-lot", "schema": 1, "id": lot.file.id, "title": lot.file.title,
-            "version": version_of_package(), "code": version,
-            "template": {"id": lot.template.file.campaign.id, "sha256": lot.template.sha256},
-            "units": {"columns": lot.units.names, "sha256": lot.units.sha256},
-            "counts": counts(noted),
-            "quarantined": dict(sorted(Counter(one.reason_code for one in noted if one.reason_code).items())),
-            "parts": parts,
-            "statistics": found.content(),
-            "remarks": [one.to_dict() for one in lot.remarks],
-        }  # fmt: skip
         (folder / LOT).unlink(missing_ok=True)
         shutil.rmtree(folder / UNITS, ignore_errors=True)
         os.replace(new, folder / UNITS)
@@ -96,14 +95,90 @@ def publish_lot(
                 "lot": str(lot.path.resolve()), **how}  # fmt: skip
         _write(folder / PROVENANCE, json_text(said))
         (folder / REPORT).unlink(missing_ok=True)
-        if report:
-            from .page import lot_page  # noqa: PLC0415 - draws, which starts slowly
+        failed: list[Remark] = []
+        found, statistics, page = None, None, ""
+        with _told(failed, "statistics", folder):
+            found = _study(lot, [folder / str(one["file"]) for one in parts])
+            statistics = found.content()
+        if report and statistics is not None and found is not None:
+            with _told(failed, "report", folder):
+                from .page import lot_page  # noqa: PLC0415 - draws, which starts slowly
 
-            _write(folder / REPORT, lot_page(found, lot.file.id, lot.file.title))
+                page = lot_page(found, lot.file.id, lot.file.title)
+        if page:
+            _write(folder / REPORT, page)
+        content: dict[str, object] = {
+            "format": "inertialcal-lot", "schema": 1, "id": lot.file.id, "title": lot.file.title,
+            "version": version_of_package(), "code": version,
+            "template": {"id": lot.template.file.campaign.id, "sha256": lot.template.sha256},
+            "units": {"columns": lot.units.names, "sha256": lot.units.sha256},
+            "counts": counts(noted),
+            "quarantined": dict(sorted(Counter(one.reason_code for one in noted if one.reason_code).items())),
+            "parts": parts,
+            "statistics": statistics,
+            "remarks": [one.to_dict() for one in (*lot.remarks, *failed)],
+        }  # fmt: skip
         _write(folder / LOT, json_text(content))
     except OSError as error:
         raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
-    return content, found
+    return content, None if statistics is None else found, tuple(failed)
+
+
+@contextmanager
+def _told(failed: list[Remark], what: str, folder: Path) -> Iterator[None]:
+    """Turn what fails into a remark, with its log beside the parts."""
+    try:
+        yield
+    except Exception as error:
+        log = f"logs/{what}.txt"
+        said = " ".join(str(error).split())[:200]
+        text = f"no {what}: {said}"
+        if not isinstance(error, InertialcalError):
+            text = f"no {what}: internal error ({type(error).__name__}: {said}), a fault of inertialcal"
+        (folder / log).parent.mkdir(exist_ok=True)
+        _write(folder / log, "".join(traceback.format_exception(error, limit=-FEW)))
+        do = f"The figures of all units stand in {UNITS}/. Send {log}; --resume tries again, without reducing a unit"
+        failed.append(Remark(f"no_{what}", "error", text, do=do))
+
+
+def _study(lot: Lot, parts: Sequence[Path]) -> Study:
+    columns = line_of(lot)
+    names = [one for one in (columns.station, columns.place, *columns.factors) if one]
+    return study(read_table(parts, names), columns, _copies(lot, parts))
+
+
+def _copies(lot: Lot, parts: Sequence[Path]) -> tuple[Remark, ...]:
+    """Return a remark on recordings that two units have in common: of what one was tested, nobody knows.
+
+    A recording that the table gives to several rows, as a file of its own, is none.
+    """
+    plain = _any_of([one for one in lot.files.values() if isinstance(one, str)])
+    of_many = _any_of([one.file for one in lot.files.values() if not isinstance(one, str)])
+    first: dict[str, tuple[str, str]] = {}
+    pairs: list[tuple[str, str]] = []
+    for part in parts:
+        table = pq.read_table(part, columns=["serial", "inputs"]).to_pydict()
+        for serial, inputs in zip(table["serial"], table["inputs"], strict=True):
+            for one in inputs:
+                path, other = str(one["path"]), f"{serial}\0" if of_many.fullmatch(one["path"]) else ""
+                if not other and not plain.fullmatch(path):
+                    continue
+                before, known = first.setdefault(one["sha256"], (serial, other or path))
+                if known != (other or path):
+                    pairs.append((before, serial))
+    if not pairs:
+        return ()
+    every = list(dict.fromkeys(pairs))
+    told = ", ".join(f"{one} and {two}" if one != two else f"two tests of {one}" for one, two in every[:FEW])
+    more = f" and {len(every) - FEW} more" if len(every) > FEW else ""
+    what = f"the same recording, byte for byte, of several units: {told}{more}"
+    do = "One was copied over the other: no verdict on either holds. Test them again"
+    return (Remark("same_recording", "warning", what, count=len(every), do=do),)
+
+
+def _any_of(patterns: Sequence[str]) -> re.Pattern[str]:
+    """Return what the files of some patterns match."""
+    return re.compile("|".join("[^/]*".join(map(re.escape, COLUMN.split(one)[::2])) for one in patterns) or "(?!)")
 
 
 def line_of(lot: Lot) -> Columns:

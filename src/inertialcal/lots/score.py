@@ -241,6 +241,9 @@ def score_lot(folder: Path) -> LotScore:
     broken = {(str(serial), int(again)) for every in truth["broken"].values() for serial, again in every}
     whole = [(serial, again) not in broken for serial, again in zip(tests.serials, tests.again, strict=True)]
     statistics = content["statistics"]
+    if statistics is None:
+        do = "Resume the lot: its statistics are made again"
+        raise DataError("the statistics of this lot failed", str(folder / LOT_DONE), do=do, code="no_results")
     found, beside = _found(truth, statistics, tests)
     population = [one for row in statistics["figures"] for one in _population(row, truth["faults"])]
     return LotScore(

@@ -6,13 +6,14 @@ out of a file of many units, is laid into a folder for the time of a block.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import os
 import re
 import shutil
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -34,15 +35,18 @@ from ..core.recording import Recording, Source
 from ..files.binary.parquet import content_of
 from ..files.registry import Columns, read_recording
 from ..files.text.table import Table, table_of_content
+from .units import csv_heading
 
 COLUMN = re.compile(r"\{([^{}]*)\}")
 CSV = (".csv", ".txt", ".tsv")
+HEAD = 2**16  # bytes of a CSV that tell what separates its cells, and its letters
+PATIENCE = 20  # until a server that does not answer is given up [s]; of its own, that of Google Cloud waits 15 minutes
 Key = tuple[str, ...]  # what tells a unit apart in a file of many: its serial number, and more cells as text
 
 
 @dataclass(frozen=True)
 class Shared:
-    """A file of many units: which column says the serial number, and what other columns must say."""
+    """A file whose rows say of which unit they are: by a column for the serial number, and what others must say."""
 
     file: str
     serial: str
@@ -52,6 +56,10 @@ class Shared:
     def columns(self) -> tuple[str, ...]:
         """Those of the file that tell units apart."""
         return self.serial, *(name for name, _ in self.match)
+
+    def of_unit(self, cells: Mapping[str, str], root: str) -> Shared:
+        """Return it with the file of a unit, where its name is a pattern; errors as `file_of` has them."""
+        return replace(self, file=file_of(self.file, cells, root)) if COLUMN.search(self.file) else self
 
     @property
     def is_text(self) -> bool:
@@ -97,9 +105,14 @@ class Place:
                 if self.region:
                     words["region"] = self.region
                 return pa_fs.S3FileSystem(**words), self.store.removeprefix("s3://").rstrip("/")
-            system, path = pa_fs.FileSystem.from_uri(self.store)
+            address = self.store
+            if address.startswith(("gs://", "gcs://")) and "retry_limit_seconds" not in address:
+                address += f"{'&' if '?' in address else '?'}retry_limit_seconds={PATIENCE}"
+            system, path = pa_fs.FileSystem.from_uri(address)
         except (pa.ArrowInvalid, pa.ArrowNotImplementedError, OSError, ValueError) as error:
             do = 'Write a folder, or an address like "s3://bucket/lot7"'
+            if self.store.startswith("hdfs://"):
+                do = "Install Java and a Hadoop client here (libjvm, libhdfs), or copy the recordings into a folder"
             raise PlanError(f"store {self.store!r}: {_said(error)}", do=do, code="wrong_value") from None
         return system, path.rstrip("/")
 
@@ -128,7 +141,7 @@ class Place:
 
 
 def _said(error: BaseException) -> str:
-    return " ".join(str(error).split())[:160] or type(error).__name__
+    return " ".join(str(error).split())[:300] or type(error).__name__
 
 
 @contextmanager
@@ -257,13 +270,22 @@ class Delivery:
             Cells of each unit, by its number.
         """
         refused: dict[int, DataError] = {}
-        for one in dict.fromkeys(self.shared.values()):
-            keys = {number: (cells["serial"], *(cells.get(column, "") for _, column in one.match))
-                    for number, cells in units.items()}  # fmt: skip
+        root = self.place.store if self.place.is_local else ""
+        wanted: dict[Shared, dict[int, Key]] = {}  # by file; several where its name is a pattern
+        for number, cells in units.items():
+            for one in dict.fromkeys(self.shared.values()):
+                try:
+                    named = one.of_unit(cells, root)
+                except DataError as error:
+                    refused.setdefault(number, error)
+                    continue
+                key = (cells["serial"], *(cells.get(column, "") for _, column in one.match))
+                wanted.setdefault(named, {})[number] = key
+        for one, keys in wanted.items():
             try:
                 found = self._rows(one, frozenset(keys.values()))
             except DataError as error:
-                refused |= dict.fromkeys(units, error)
+                refused |= dict.fromkeys(keys, error)
                 continue
             held = sum(table.nbytes for tables in found.values() for table in tables)
             for number, key in keys.items():
@@ -285,7 +307,7 @@ class Delivery:
             return
         path.parent.mkdir(parents=True, exist_ok=True)
         if shared.is_text:
-            pa_csv.write_csv(own, path)
+            pa_csv.write_csv(own, path, pa_csv.WriteOptions(delimiter=";", quoting_style="needed"))
         else:
             pq.write_table(own, path, compression="none", use_dictionary=False, write_statistics=False)
 
@@ -298,11 +320,7 @@ class Delivery:
             raise DataError("no such file", shared.file, do=do, code="missing_file")
         found: dict[Key, list[pa.Table]] = {}
         with reading(shared.file):
-            if shared.is_text:
-                options = pa_csv.ConvertOptions(column_types={shared.serial: pa.string()})
-                made: ds.FileFormat = ds.CsvFileFormat(convert_options=options)
-            else:
-                made = ds.ParquetFileFormat()
+            made = _as_text(system, f"{root}/{shared.file}") if shared.is_text else ds.ParquetFileFormat()
             data = ds.dataset(f"{root}/{shared.file}", filesystem=system, format=made)
             for name in shared.columns:
                 if name not in data.schema.names:
@@ -377,6 +395,22 @@ def _plain(kind: pa.DataType) -> pa.DataType:
     """Return a type without codes, of whole bytes: bits of other rows may stand beside those of these."""
     kind = kind.value_type if pa.types.is_dictionary(kind) else kind
     return pa.uint8() if pa.types.is_boolean(kind) else kind
+
+
+def _as_text(system: pa_fs.FileSystem, path: str) -> ds.CsvFileFormat:
+    """Return how a CSV is read whose cells all stay as they stand there; its first line tells what separates them."""
+    with system.open_input_stream(path) as stream:
+        head = stream.read(HEAD)
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+        encoding = "utf8"
+    except UnicodeDecodeError:
+        encoding = "latin-1"
+    text = head.decode("utf-8-sig" if encoding == "utf8" else encoding, "replace")
+    separator, names = csv_heading(text)
+    options = pa_csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()))
+    parsed, letters = pa_csv.ParseOptions(delimiter=separator), pa_csv.ReadOptions(encoding=encoding)
+    return ds.CsvFileFormat(parse_options=parsed, convert_options=options, read_options=letters)
 
 
 def _text_tables(data: ds.Dataset, here: pc.Expression) -> Iterator[pa.Table]:

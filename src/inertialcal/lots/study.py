@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from ..core.errors import DataError
 from ..core.remarks import Remark
 from ..core.results import Interval, finite
-from ..core.show.result_tables import remarks_line
 from ..core.show.rounding import number, uncertainty, with_uncertainty
 from ..core.show.tables import Block
 from ..core.show.tables import Table as Shown
@@ -179,10 +178,10 @@ class Study:
         lines = [*(off_text(one) for one in self.off), *(drift_text(one) for one in self.drifting)]
         lines += [odd_text(one) for one in self.odd]
         parts += lines[:SHOWN] + ([f"... {len(lines) - SHOWN} more: see report.html"] if lines[SHOWN:] else [])
-        return (*parts, *remarks_line(self.remarks))
+        return tuple(parts)
 
 
-def study(table: Table, columns: Columns) -> Study:
+def study(table: Table, columns: Columns, remarks: Sequence[Remark] = ()) -> Study:
     """Return the statistics of a lot.
 
     Parameters
@@ -191,6 +190,8 @@ def study(table: Table, columns: Columns) -> Study:
         Its figures.
     columns : Columns
         What the table of units says of stations, of time, and of other places.
+    remarks : sequence of Remark
+        What else is known of the lot, told first.
     """
     stations, names = table.levels(columns.station) if columns.station else (np.zeros(len(table), np.intp), ("",))
     place, _ = table.place(columns.place) if columns.place else (np.arange(len(table), dtype=float), "")
@@ -226,8 +227,16 @@ def study(table: Table, columns: Columns) -> Study:
         {code: quarantined.count(code) for code in sorted(set(quarantined))},
         tuple(_odd(table, far)), far, tuple(off), drifting, columns,
         names,
-        tuple(_remarks(table, made, far, everyone)),
+        (*remarks, *_unplaced(place, columns.place, first), *_remarks(table, made, far, everyone)),
     )  # fmt: skip
+
+
+def _unplaced(place: NDArray[np.float64], column: str, first: NDArray[np.bool_]) -> Iterator[Remark]:
+    count = int(np.count_nonzero(first & ~np.isfinite(place)))
+    if count:
+        what = f"column {column}: {count} of {int(first.sum())} cells are no instant and no number"
+        do = "No drift is judged of these units. Write 2026-03-12T08:00, 12.03.2026 08:00, or numbers"
+        yield Remark("no_place", "warning", what, count=count, do=do)
 
 
 def _varies(values: NDArray[np.float64]) -> bool:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,6 +23,8 @@ from ..core.key import At, Key, Method
 IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
 LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
 ASSEMBLED = "model"  # test of figures that stand in another test already
+NOT_STATED = "not stated"  # level of an empty cell
+BY_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})(?:,? +(\d{1,2}):(\d\d)(:\d\d(?:\.\d+)?)?)?")  # 12.03.2026 08:30
 JUDGED = ("PASS", "FAIL", "INCONCLUSIVE")
 
 
@@ -128,7 +132,7 @@ class Table:
 
     def levels(self, name: str) -> tuple[NDArray[np.intp], tuple[str, ...]]:
         """Return the level of each row and the names of levels, of a column of the table of units."""
-        cells = ["" if one is None else str(one) for one in self.columns[name].to_pylist()]
+        cells = [NOT_STATED if one is None else str(one) for one in self.columns[name].to_pylist()]
         names = tuple(dict.fromkeys(cells))
         return np.array([names.index(one) for one in cells], dtype=np.intp), names
 
@@ -143,11 +147,19 @@ class Table:
             return _floats(column), name
         stamps = np.array([np.nan] * len(self))
         for row, one in enumerate(column.to_pylist()):
-            try:
-                stamps[row] = np.datetime64(str(one).rstrip("Z"), "ns").astype(np.int64) / 86_400e9
-            except ValueError:
-                continue
+            with suppress(ValueError):
+                if one is not None:
+                    stamps[row] = np.datetime64(_iso(str(one).strip()), "ns").astype(np.int64) / 86_400e9
         return stamps, "day"
+
+
+def _iso(cell: str) -> str:
+    """Return an instant as ISO 8601 has it, from that or from day.month.year."""
+    found = BY_DAY.fullmatch(cell)
+    if found is None:
+        return cell.removesuffix("Z")
+    day, month, year, hour, minute, rest = found.groups()
+    return f"{year}-{int(month):02d}-{int(day):02d}T{int(hour or 0):02d}:{minute or '00'}{rest or ''}"
 
 
 def _floats(column: pa.ChunkedArray) -> Array:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
-from collections.abc import Set
+import re
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,10 +19,14 @@ from ..core.campaign_text import FILE
 from ..core.errors import DataError, PlanError, Problem
 from ..core.remarks import Remark
 from ..files.source import as_data_errors, read_bytes
+from ..files.text.layout import decode
 
 SERIAL = "serial"
 FEW = 5  # rows or names that are told
 PARQUET = b"PAR1"
+SEPARATORS = ",;\t"
+WITH_COMMA = re.compile(r"(?:^|[;\t])[+-]?\d+,\d+(?=[;\t]|$)", re.MULTILINE)  # a number, where no comma separates
+WITH_POINT = re.compile(r"(?:^|[;\t])[+-]?\d+\.\d+(?=[;\t]|$)", re.MULTILINE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +39,13 @@ class Units:
         A row a unit, with the column ``serial`` as text.
     sha256 : str
         Of its file; of the serials where it has none.
+    remarks : tuple of Remark
+        What reading it brought up.
     """
 
     table: pa.Table
     sha256: str
+    remarks: tuple[Remark, ...] = ()
 
     def __len__(self) -> int:
         """Return how many they are."""
@@ -57,8 +66,17 @@ class Units:
         return [None if one == "" else one for one in self.table[name].to_pylist()]
 
 
-def read_units(path: Path) -> Units:
-    """Read a table of units, CSV or Parquet.
+def read_units(path: Path, serial: str = SERIAL, texts: Sequence[str] = ()) -> Units:
+    """Read a table of units, CSV or Parquet. CSV may have semicolons or tabs, and then decimal commas.
+
+    Parameters
+    ----------
+    path : Path
+        Of its file.
+    serial : str
+        Column that holds the serial number; it is called ``serial`` from here on.
+    texts : sequence of str
+        Columns that stay text as they stand there: ``007`` is a name in a path.
 
     Raises
     ------
@@ -69,18 +87,19 @@ def read_units(path: Path) -> Units:
     raw = read_bytes(path)
     digest = hashlib.sha256(raw).hexdigest()
     name = path.name
+    remarks: tuple[Remark, ...] = ()
     if raw.startswith(PARQUET):
         with as_data_errors(name, "a table of units"):
             table = pq.read_table(pa.BufferReader(raw))
     else:
+        text, remarks = decode(raw, name)
         with as_data_errors(name, "a table of units"):
-            options = pa_csv.ConvertOptions(
-                column_types={SERIAL: pa.string()}, null_values=[""], strings_can_be_null=True
-            )
-            table = pa_csv.read_csv(pa.BufferReader(raw.removeprefix(b"\xef\xbb\xbf")), convert_options=options)
-    if SERIAL not in table.column_names:
-        what, do = "the table of units has no column serial", f"It has: {', '.join(table.column_names)}"
+            table = _of_text(text, dict.fromkeys((serial, *texts), pa.string()))
+    if serial not in table.column_names:
+        what = f"the table of units has no column {serial}"
+        do = f'It has: {", ".join(table.column_names)}. Name the one that holds it in LOT.toml: serial = "..."'
         raise DataError(what, name, "a unit is known by its serial number", do, "unknown_column")
+    table = table.rename_columns([SERIAL if one == serial else one for one in table.column_names])
     if len(set(table.column_names)) < len(table.column_names):
         raise DataError("two columns have one name", name, do="Rename one", code="duplicate_column")
     if not table.num_rows:
@@ -93,7 +112,25 @@ def read_units(path: Path) -> Units:
         where = f"{name}:{empty[0]}"
         what = f"{len(empty)} row{'s' * (len(empty) > 1)} without a serial number"
         raise DataError(what, where, "nobody would know which unit it is", "Give it, or delete the row", "empty_serial")
-    return Units(plain, digest)
+    return Units(plain, digest, remarks)
+
+
+def csv_heading(text: str) -> tuple[str, list[str]]:
+    """Return what separates the cells of a CSV, which is what separates its headings, and these."""
+    heading = next((one for one in text.splitlines() if one.strip()), "")
+    separator = max(SEPARATORS, key=heading.count)
+    return separator, next(csv.reader([heading], delimiter=separator), [])
+
+
+def _of_text(text: str, kinds: dict[str, pa.DataType]) -> pa.Table:
+    """Return the rows of a CSV; what separates its headings separates its cells."""
+    separator, _ = csv_heading(text)
+    comma = separator != "," and WITH_COMMA.search(text) is not None and WITH_POINT.search(text) is None
+    options = pa_csv.ConvertOptions(
+        column_types=kinds, null_values=[""], strings_can_be_null=True, decimal_point="," if comma else "."
+    )
+    parsed = pa_csv.ParseOptions(delimiter=separator)
+    return pa_csv.read_csv(pa.BufferReader(text.encode()), parse_options=parsed, convert_options=options)
 
 
 def _plain(field: pa.Field, name: str) -> pa.DataType:

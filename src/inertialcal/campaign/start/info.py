@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...core.campaign_text import FILE
+from ...core.campaign_text import FILE, LOT
 from ...core.errors import InertialcalError, Problem
 from ...core.estimate import Array
 from ...core.recording import Recording
@@ -19,6 +19,7 @@ from ...files.info.channel_survey import Hint
 from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey, survey_recording
 from ...files.info.table_columns import guess_channels
+from ...files.own import own
 from ...procedures import procedure_names, procedure_of
 from ...procedures.given import READING, Said
 from ...procedures.suggestions import Strength, Suggestion
@@ -124,9 +125,11 @@ def next_command(
     if not recording.source.path or all(channel.quantity == "index" for channel in recording.channels):
         return None
     source = Path(recording.source.path)
-    home = next((one for one in [source, *list(source.parents)[:2]] if (one / FILE).is_file()), None)
-    word = "init" if home is None else "run"
-    folder = f"inertialcal {word} {shlex.quote(str(home or source.parent))}" if word in commands else None
+    near = [source, *list(source.parents)[:2]]
+    home = next((one for one in near if (one / FILE).is_file() or (one / LOT).is_file()), None)
+    about = None if home is None else own(home)
+    whole = f"inertialcal init {shlex.quote(str(source.parent))}" if about is None else about.do
+    folder = whole if whole.split()[1] in commands else None
     every = suggestions(recording, survey)
     found = [(name, one) for name, one in every if home is None or one.in_campaign]
     path = " ".join([shlex.quote(recording.source.path), *said])
