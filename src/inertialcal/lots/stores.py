@@ -408,7 +408,8 @@ def _as_text(system: pa_fs.FileSystem, path: str) -> ds.CsvFileFormat:
         encoding = "latin-1"
     text = head.decode("utf-8-sig" if encoding == "utf8" else encoding, "replace")
     separator, names = csv_heading(text)
-    options = pa_csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()))
+    kinds = dict.fromkeys(names, pa.string())
+    options = pa_csv.ConvertOptions(column_types=kinds, null_values=[""], strings_can_be_null=True)
     parsed, letters = pa_csv.ParseOptions(delimiter=separator), pa_csv.ReadOptions(encoding=encoding)
     return ds.CsvFileFormat(parse_options=parsed, convert_options=options, read_options=letters)
 
