@@ -11,6 +11,7 @@ import pytest
 from small_lot import CAMPAIGN, csv, folder_lot, rates, rows, shared_lot
 
 import inertialcal as ic
+from inertialcal.campaign.start.info import info
 from inertialcal.core.errors import InertialcalError
 from inertialcal.lots.lot_file import LotFile, SharedFile, load_lot
 from inertialcal.lots.rows import OWN
@@ -205,3 +206,9 @@ def test_a_folder_without_campaign_or_units_is_refused(tmp_path: Path) -> None:
     folder_lot(tmp_path / "lot", 2)
     (tmp_path / "lot" / "u000" / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
     assert [one.code for one in load_lot(tmp_path / "lot").remarks] == ["own_campaign"]
+
+
+def test_a_file_of_a_lot_leads_to_the_lot(tmp_path: Path) -> None:
+    path = lot_of(folder_lot(tmp_path / "lot", 2), "folder = '{serial}'\n", "serial\nu000\nu001\n")
+    found = info(path.parent / "u000" / "rates.csv", commands=("run", "init", "lot"))
+    assert (found.next or "").startswith("inertialcal lot ")
