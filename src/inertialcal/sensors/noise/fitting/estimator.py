@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from scipy import special
@@ -146,7 +146,7 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
         tuple(run.tau for run in runs),
         tuple(run.variance for run in runs),
         tuple(np.split(mean_of(problem, fitted), np.cumsum([len(run.m) for run in runs])[:-1])),
-        partial(estimated_at, solution),
+        EstimatedAt(solution),
         remarks_of(solution, residual, agreement),
         rivals_of(solution),
     )
@@ -356,9 +356,15 @@ def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     return tuple(found)
 
 
-def estimated_at(solution: Solution, p: float) -> tuple[TermEstimate, ...]:
-    """Return the same with intervals of another probability."""
-    return estimated(replace(solution, p=p))
+@dataclass(frozen=True, eq=False)
+class EstimatedAt:
+    """The same with intervals of another probability; plain data, so that a fit can be kept."""
+
+    solution: Solution
+
+    def __call__(self, p: float) -> tuple[TermEstimate, ...]:
+        """Return the terms that have a size, with intervals of this probability."""
+        return estimated(replace(self.solution, p=p))
 
 
 def _interval(solution: Solution, at: int, column: int) -> Interval:
