@@ -268,7 +268,9 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         if len(judged.text) or judged.values.dtype.kind == "O":
             whole = sure or heading(name, layout.units[i] or None).unit == "count"
             plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch, whole)
-            judged = judged if plain is cells[i] else judge(plain, layout.decimal)
+            if plain is not cells[i]:
+                judged = judge(plain, layout.decimal)
+                remarks += () if sure else (_grouped_remark(name, cells[i], plain, where),)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
         elif (at := _grouped(judged.values, layout)) is not None:
@@ -281,6 +283,13 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         raise DataError(problems)
     found = content_of(columns, rows, layout)
     return replace(found, remarks=(*found.remarks, *remarks))
+
+
+def _grouped_remark(name: str, cells: Sequence[str], plain: Sequence[str], where: str) -> Remark:
+    """Return the remark on a column of counts whose digits are grouped."""
+    changed = [(cell, one) for cell, one in zip(cells, plain, strict=True) if cell != one]
+    (cell, one), count = changed[0], len(changed)
+    return Remark("grouped_digits", "info", f"{name!r} is in counts: {cell} is {one}", where=where, count=count)
 
 
 def header_again(text: str, layout: Layout) -> tuple[int, bool] | None:
