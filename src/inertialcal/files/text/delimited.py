@@ -257,7 +257,7 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         If rows differ in width, or text stands among numbers.
     """
     again = header_again(text, layout)
-    remarks = () if again is None or not again[1] else (_header_remark(f"{where}:{again[0]}"),)
+    remarks: tuple[Remark, ...] = () if again is None or not again[1] else (_header_remark(f"{where}:{again[0]}"),)
     if again is not None and not again[1]:
         raise header_repeated(f"{where}:{again[0]}")
     rows, cells = cell_columns(text, layout, where)
