@@ -114,6 +114,12 @@ CASES = (
         quick=True,
     ),
     Case(
+        "inertialcal init {}",
+        "info staged/turned_stage.csv",
+        "init staged",
+        "has staged/campaign.toml",
+    ),
+    Case(
         "inertialcal {} {}",
         "info rest_units.csv",
         "allan rest_units.csv",

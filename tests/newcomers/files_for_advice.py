@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 from functools import partial
 from pathlib import Path
@@ -248,6 +249,8 @@ def _binary(folder: Path, log: Log) -> None:
     from scipy.io import savemat
 
     t = log.time
+    (folder / "staged").mkdir()
+    shutil.copy(folder / "turned_stage.csv", folder / "staged")
     (folder / "two_gyros").mkdir()
     with sqlite3.connect(folder / "two_gyros" / "imu.db") as connection:
         for name in ("front gyro", "back gyro"):

@@ -137,7 +137,7 @@ def _told(failed: list[Remark], what: str, folder: Path) -> Iterator[None]:
             text = f"no {what}: internal error ({type(error).__name__}: {said}), a fault of inertialcal"
         (folder / log).parent.mkdir(exist_ok=True)
         _write(folder / log, "".join(traceback.format_exception(error, limit=-FEW)))
-        do = f"The figures of all units stand in {UNITS}/. Send {log}. Resumed, the lot reduces no unit again"
+        do = f"The figures of all units stand in {UNITS}/. Send {log}, then resume the lot: no unit is reduced again"
         failed.append(Remark(f"no_{what}", "error", text, do=do))
 
 

@@ -361,7 +361,7 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
         found.append(Remark("heavy_tails", "warning", what, do="Look at the farthest first"))
     if not any(one.gauge is not None for one in made):
         do = "Test some units again, at each station: a row a test in the table of units"
-        what = "no unit was tested twice: what the tests scatter is as they state, not as seen"
+        what = "too few units were tested again: the scatter of the tests is what they state, not what was seen"
         found.append(Remark("no_repeats", "info", what, do=do))
     return found
 

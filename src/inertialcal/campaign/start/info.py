@@ -128,8 +128,7 @@ def next_command(
     near = [source, *list(source.parents)[:2]]
     home = next((one for one in near if (one / FILE).is_file() or (one / LOT).is_file()), None)
     about = None if home is None else own(home)
-    begin = ("init", shlex.quote(str(source.parent)))
-    whole = f"inertialcal {' '.join(begin)}" if about is None else about.do
+    whole = f"inertialcal init {shlex.quote(str(source.parent))}" if about is None else about.do
     folder = whole if whole.split()[1] in commands else None
     every = suggestions(recording, survey)
     found = [(name, one) for name, one in every if home is None or one.in_campaign]
