@@ -386,16 +386,17 @@ def _turns() -> dict[str, str]:
     def log(board: Board, **more: list[float]) -> str:
         acc = {f"acc_{axis} [m/s2]": rounded(board.acc[:, i], 6) for i, axis in enumerate("xyz")}
         gyro = {f"gyro_{axis} [rad/s]": rounded(board.gyro[:, i], 8) for i, axis in enumerate("xyz")}
-        return csv({"t [s]": rounded(board.time, 2), **acc, **({} if more else gyro), **more})
+        return csv({"t [s]": rounded(board.time, 2), **acc, **(gyro if board.gyro.any() else {}), **more})
 
     files = {"clockwise.csv": log(board_of(np.concatenate(up), np.concatenate(rates), 50.0, 8)),
              "parts.csv": f"section,start,end\n{parts}"}  # fmt: skip
     few = np.repeat(FACES[:7], 200, axis=0)
-    files["faces_few.csv"] = log(board_of(few, np.zeros_like(few), 50.0, 70))
+    laid = board_of(few, np.zeros_like(few), 50.0, 70)
+    files["faces_few.csv"] = log(replace(laid, gyro=np.zeros_like(few)))  # No gyro: the turns are not in it
     still = np.repeat(FACES, 150, axis=0)
     for i, temperature in enumerate((0.0, 20.0, 40.0)):
         board = board_of(still, np.zeros_like(still), 50.0, 60 + i)
-        board = replace(board, acc=board.acc + 0.002 * (temperature - 20.0))
+        board = replace(board, acc=board.acc + 0.002 * (temperature - 20.0), gyro=np.zeros_like(still))
         files[f"oven_{i}.csv"] = log(board, temperature=[temperature] * len(still))
     return files
 

@@ -415,7 +415,7 @@ def _carried_remarks(angles: Array) -> list[Remark]:
     if missed <= CLOSE:
         return []
     what = f"carried by the gyros, gravity misses where the accelerometers find it by {np.degrees(missed):.2g} deg"
-    do = "Check that each gyro works and is the one that its name says"
+    do = "Check that each gyro works and is the one that its name says, and that no time is cut out between positions"
     return [Remark("rotations_do_not_close", "error", what, do=do)]
 
 
