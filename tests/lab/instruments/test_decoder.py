@@ -68,6 +68,17 @@ def test_lost_doubled_and_late_packets_are_told_apart_also_over_the_end_of_the_c
     assert decoder.counts.late == 1
 
 
+@pytest.mark.parametrize("cut", range(1, 9))
+def test_a_row_that_came_twice_is_told_where_a_late_one_comes_between(cut: int) -> None:
+    values = np.zeros(12, dtype=np.int64)
+    sent = [packet(i, values) for i in [827, 828, 829, 831, 830, 831, 833, 834, 833]]
+    decoder = packet_decoder()
+    rows = np.concatenate([decoder.feed(b"".join(sent[:cut])), decoder.feed(b"".join(sent[cut:]))])["counter"].tolist()
+    assert rows == sorted(set(rows))
+    assert decoder.counts.lost == 834 + 1 - 827 - len(rows)
+    assert decoder.counts.doubled + decoder.counts.late == len(sent) - len(rows)
+
+
 @pytest.mark.parametrize("checksum", ["none", "xor8", "crc16_ccitt"])
 def test_lines_come_out_as_they_were_sent(checksum: str) -> None:
     dialect = line_dialect(checksum=checksum, prefix="$IMU,")

@@ -248,14 +248,16 @@ class Order:
         order = np.argsort(steps, kind="stable")
         rows, steps = rows[order], steps[order]
         first = self._last is None
+        in_time = (steps >= 0.0) | first
+        self.counts.late += int(np.sum(~in_time))
+        rows, steps = rows[in_time], steps[in_time]
+        if not len(rows):
+            return rows
         apart = np.diff(steps, prepend=steps[0] - 1.0 if first else 0.0)
-        late = (steps < 0.0) & (not first)
-        doubled = self._doubled(rows, apart) & ~late
-        self._apart.extend(apart[1:] if first else apart[~late])
+        doubled = self._doubled(rows, apart)
+        self._apart.extend(apart[1:] if first else apart)
         self.counts.doubled += int(np.sum(doubled))
-        self.counts.late += int(np.sum(late))
-        taken = ~late & ~doubled
-        rows, steps = rows[taken], steps[taken]
+        rows, steps = rows[~doubled], steps[~doubled]
         if not len(rows):
             return rows
         if self.counter is not None:
