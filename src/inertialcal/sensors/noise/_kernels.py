@@ -322,9 +322,13 @@ def _add_far(d: Array, shift: float, u: float, size: float, out: Array) -> None:
 @compiled
 def fill_spread(
     powers: Array, squares: Array, row: Indices, column: Indices, run: Indices, found: NDArray[np.bool_],
-    lost: Array, by: Array, doubt: Array, hidden: float, shape: float, sigma: Array,
+    lost: Array, by: Array, doubt: Array, hidden: float, shape: float, left: Array, tau: Array, alike: float,
+    sigma: Array,
 ) -> None:  # fmt: skip
-    """Fill the covariance of the Allan variances of runs that powers of terms give, see ``fitting.spread``."""
+    """Fill the covariance of the Allan variances of runs that powers of terms give, see ``fitting.spread``.
+
+    What terms leave unexplained, ``left``, is common to averaging times that differ by no more than a share ``alike``.
+    """
     k, pairs, q = len(run), len(row), len(powers)
     total, taken, more = np.zeros(pairs), np.zeros(k), np.ones(k)
     at = 0
@@ -357,6 +361,10 @@ def fill_spread(
         for r in range(k):
             if run[t] == run[r]:
                 sigma[t, r] = sigma[t, r] * more[t] * more[r] + taken[t] * taken[r]
+    for t in range(len(left)):
+        for r in range(len(left)):
+            if abs(tau[r] - tau[t]) <= alike * tau[t]:
+                sigma[t, r] += left[t] * left[r]
 
 
 @compiled
@@ -447,31 +455,6 @@ def limit_root(
             break
         state[4] = beyond(state[1])
     return float(state[1])
-
-
-@compiled
-def limited(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int,
-    u: float, named: float, stretch: float, missed: bool, tolerance: float, v: Array,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Fill v of least cost where one power is ruled out, see ``limit_root``.
-
-    Returns are the distance from the best power in u (NaN for nowhere), the best, the least cost, what the best lacks
-    of being named [u], and the position in the table where it is ruled out.
-    """
-    if len(spacings) == 0:
-        least = scored(D, s, w, -1, 0.0, v, False)
-    else:
-        least = searched(D, table, lo, hi, spacings, s, w, -1, 0.0, v)[1]
-    best, position = v[held], 0.0
-    short = max(named - best, 0.0) / u if missed else 0.0
-    x = limit_root(D, table, lo, hi, spacings, s, w, held, best, u, least, stretch, short, missed, tolerance)
-    v[:] = 0.0
-    if len(spacings) == 0:
-        scored(D, s, w, held, best + x * u, v, False)
-    elif x >= 0.0:
-        position = searched(D, table, lo, hi, spacings, s, w, held, best + x * u, v)[0]
-    return x, best, least, short, position
 
 
 @compiled

@@ -127,7 +127,7 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
     """Return a solution as users see it: the terms found, those that are not, and the tests."""
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
-    missed = tuple(not_identified(solution, name) for name in wanted if name not in present(problem, fitted))
+    missed = tuple(not_identified(solution, name) for name in wanted if name not in present(fitted))
     residual = solution.residual
     if problem is not plain:
         residual = residual_test(plain, fitted, covariance_of_runs(plain, fitted))
@@ -331,6 +331,16 @@ class Solution:
 
         return tuple(one for one in others if near(one) and {*one.terms} - own and own - {*one.terms})
 
+    @cached_property
+    def free(self) -> tuple[str, ...]:
+        """Terms that an interval leaves free: chosen ones, flicker and a walk, quantisation where it fits."""
+        names = (*present(self.fitted), *(name for name in FREE if name in self.candidates))
+        if Quantization.name in self.candidates:
+            more = (*names, Quantization.name)
+            if estimate(self.problem, more, looks=1).powers[NAMES.index(Quantization.name)] > 0.0:
+                names = more
+        return tuple(dict.fromkeys(names))
+
 
 def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     """Return the terms that have a size, with intervals."""
@@ -375,26 +385,13 @@ def _interval(solution: Solution, at: int, column: int) -> Interval:
         return Interval(_root(own.lo), _root(own.hi), solution.p)
     name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
     stretch = float(solution.bread.stretch[column])
-    wide = wide_interval(problem, fitted, at, free_terms(solution), stretch, solution.p)
+    wide = wide_interval(problem, fitted, at, solution.free, stretch, solution.p)
     lo = min(own.lo or 0.0, wide.lo or 0.0)
     hi = None if own.hi is None or wide.hi is None else max(own.hi, wide.hi)
     without = [{*one.terms} for one in solution.rivals if name not in one.terms]
-    if name not in FAST and any(
-        name in SUPPLE or not SUPPLE & terms - {*present(problem, fitted)} for terms in without
-    ):
+    if name not in FAST and any(name in SUPPLE or not SUPPLE & terms - {*present(fitted)} for terms in without):
         lo = 0.0
     return Interval(_root(lo), _root(hi), solution.p)
-
-
-def free_terms(solution: Solution) -> tuple[str, ...]:
-    """Return the terms that an interval leaves free: chosen ones, flicker and a walk, quantisation where it fits."""
-    problem = solution.problem
-    names = (*present(problem, solution.fitted), *(name for name in FREE if name in solution.candidates))
-    if Quantization.name in solution.candidates:
-        more = (*names, Quantization.name)
-        if estimate(problem, more, looks=1).powers[NAMES.index(Quantization.name)] > 0.0:
-            names = more
-    return tuple(dict.fromkeys(names))
 
 
 def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
@@ -424,7 +421,7 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
     other = _rival(solution, name, lambda choice: name in choice.terms)
     rival = None if other is None else other.fitted
     if name == GAUSS_MARKOV:
-        best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))  # where it hides best, else the middle
+        best = estimate(problem, (*present(fitted), GAUSS_MARKOV))  # where it hides best, else the middle
         middle = 0.5 * (len(problem.table) - 1.0)
         fitted = replace(fitted, position=best.position if best.powers[-1] > 0.0 else middle)
         alone = tuple(one for one in chosen.terms if one in FAST)

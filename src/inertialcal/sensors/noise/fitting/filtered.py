@@ -46,6 +46,7 @@ from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
 from ....statistics.least_squares import symmetric_inverse
 from .._kernels import scored
+from .._kernels_band import cost_each, lowest
 from ..expected import density_of_samples
 from ..terms import GaussMarkov, Phase
 
@@ -69,6 +70,7 @@ COARSE = 4  # of these sizes, one of which is tried first, then all about the be
 DOUBTFUL = 5.0  # twice the gain of log likelihood there, from which all are tried
 NEAR = 0.5  # log likelihood less than the best: one standard uncertainty
 MILD = 0.3  # size of a low pass, above which it does not stay hidden
+MILDEST = np.array([0.0, *FOLDS[FOLDS <= MILD]])
 ROUNDED = 3  # column of the rounded angle, which rises
 TOP, FALLEN = 0.35, 0.95  # cycles a sample above which a filter has taken some of the density
 NONE = 4  # of them that are as good as none
@@ -197,24 +199,24 @@ def _columns_at(stored: bytes, interval: float) -> Array:
 
 def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
     """Return the least cost of a sum of columns, not negative, and their sizes."""
-    scale = D.max(axis=0)
-    cost, sizes = _least(np.ascontiguousarray(D / scale), density, weight)
+    scale, sizes = D.max(axis=0), np.zeros(D.shape[1])
+    cost = scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
     return cost, sizes / scale
 
 
-def _least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
-    """Return the same for columns whose largest value is 1."""
-    sizes = np.zeros(D.shape[1])
-    return scored(D, density, weight, -1, 0.0, sizes, False), sizes
+@lru_cache(maxsize=4)  # spectra of one length share their frequencies
+def _behind(stored: bytes, interval: float) -> tuple[Array, Array]:
+    """Return columns that fall, shape (sizes, k, p), behind low passes of `FOLDS` and of `MILDEST`; not to be changed.
 
-
-@lru_cache(maxsize=256)  # spectra of one length share their frequencies: about 100 sizes each
-def _behind(stored: bytes, interval: float, size: float, few: bool) -> Array:
-    """Return columns that fall, behind a low pass of a size, with 1 as their largest value; not to be changed."""
-    cycles = np.frombuffer(stored)
+    Each has 1 as its largest value; the latter are of white noise, flicker and walk alone: others give way to any
+    filter.
+    """
+    swing = 4.0 * np.sin(np.pi * np.frombuffer(stored)) ** 2
     D = np.delete(_columns_at(stored, interval), ROUNDED, axis=1)
-    D = (D[:, :3] if few else D) / (1.0 + size * (4.0 * np.sin(np.pi * cycles) ** 2))[:, None]
-    return np.ascontiguousarray(D / D.max(axis=0))
+    each = [(D[:, :few] / (1.0 + size * swing)[:, None], size) for few, sizes in ((None, FOLDS), (3, MILDEST))
+            for size in sizes]  # fmt: skip
+    scaled = [one / one.max(axis=0) for one, _ in each]
+    return np.array(scaled[: len(FOLDS)]), np.array(scaled[len(FOLDS) :])
 
 
 def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float, float]:
@@ -224,27 +226,16 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     """
     D = columns_at(cycles, interval)
     plain = least(D, density, weight)[0]
-    stored = cycles.tobytes()
-    known: dict[int, float] = {}
-
-    def cost(i: int) -> float:
-        if i not in known:
-            known[i] = _least(_behind(stored, interval, float(FOLDS[i]), False), density, weight)[0]
-        return known[i]
-
-    best = min((*range(NONE + 1), *range(0, len(FOLDS), COARSE)), key=cost)
-    while (near := min(range(max(best - COARSE, 0), min(best + COARSE + 1, len(FOLDS))), key=cost)) != best:
-        best = near
-    if 2.0 * (plain - cost(best)) >= DOUBTFUL:
-        best = min(range(len(FOLDS)), key=cost)
-    plain = min(plain, *map(cost, range(NONE + 1)))  # where the solver stops short
-    if 2.0 * (plain - cost(best)) >= CLEAR:
+    behind, mildly = _behind(cycles.tobytes(), interval)
+    costs, mild = np.full(len(FOLDS), np.nan), np.full(len(MILDEST), np.nan)
+    best = lowest(behind, density, weight, NONE + 1, COARSE, plain, DOUBTFUL, costs)
+    cost = float(costs[best])
+    plain = min(plain, float(costs[: NONE + 1].min()))  # where the solver stops short
+    if 2.0 * (plain - cost) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
-    sizes = (0.0, *FOLDS[FOLDS <= MILD].tolist())
-    # White noise, flicker, walk: others give way to any filter
-    mild = np.array([_least(_behind(stored, interval, size, True), density, weight)[0] for size in sizes])
-    hidden = float([0.0, *FOLDS][np.flatnonzero(mild < mild.min() + NEAR)[-1]])
-    return 2.0 * float(plain - cost(best)), corner_of(float(FOLDS[best])), hidden
+    cost_each(mildly, density, weight, mild)
+    hidden = float(MILDEST[np.flatnonzero(mild < mild.min() + NEAR)[-1]])
+    return 2.0 * (plain - cost), corner_of(float(FOLDS[best])), hidden
 
 
 def with_one_time(cycles: Array, density: Array, weight: Array, interval: float) -> float:

@@ -55,7 +55,7 @@ class ChiSquare:
 def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
     """Return whether the terms explain the Allan variances; None where no averaging time is left over."""
     mu = mean_of(problem, fitted)
-    edf = 2.0 * mu**2 / np.diag(sigma)
+    edf = 2.0 * mu**2 / sigma.diagonal()
     unit = mu * np.sqrt(2.0 / edf)
     found = (np.cbrt(problem.variance / mu) - (1.0 - 2.0 / (9.0 * edf))) / np.sqrt(2.0 / (9.0 * edf))
     D = slopes_of(problem, fitted)
@@ -63,7 +63,7 @@ def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare |
     D = D / np.sqrt(weights @ D**2)  # powers of different terms differ by orders of magnitude
     taken = D @ np.linalg.solve((D.T * weights) @ D, D.T * weights)
     left = (np.eye(len(mu)) - taken) * unit / unit[:, None]
-    correlation = left @ (sigma / np.outer(unit, unit)) @ left.T
+    correlation = left @ (sigma / (unit * unit[:, None])) @ left.T
     return chi_square(found, correlation, len(mu) - D.shape[1])
 
 
@@ -88,14 +88,14 @@ def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare 
 
 def chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
     """Sum of squares in the metric of a covariance of that rank; values that the fit took whole are left out."""
-    variance = np.diag(covariance)
-    free = variance > SMALL * np.max(variance)
-    values, covariance, variance = values[free], covariance[np.ix_(free, free)], variance[free]
     if dof < 1:
         return None
+    variance = covariance.diagonal()
+    free = variance > SMALL * variance.max()
+    values, covariance, variance = values[free], covariance[free][:, free], variance[free]
     scale = 1.0 / np.sqrt(variance)
-    sizes, directions = np.linalg.eigh(covariance * np.outer(scale, scale))
-    kept = np.argsort(sizes)[-dof:]
+    sizes, directions = np.linalg.eigh(covariance * (scale * scale[:, None]))
+    kept = np.arange(max(len(sizes) - dof, 0), len(sizes))  # they ascend
     kept = kept[sizes[kept] > SMALL * sizes[-1]]
     along = directions[:, kept].T @ (values * scale)
     statistic = float(np.sum(along**2 / sizes[kept]))

@@ -33,15 +33,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_known, fill_sandwich, score_each, scored, searched
+from .._kernels import fill_sandwich, score_each, scored, searched
+from .._kernels_limits import fill_bread, interpolate
 from ..terms import GaussMarkov, Sinusoid, Term
 from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
-from .spread import spread_of, spread_with
+from .spread import NONE, Spread, spread_of, spread_with
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
 FEW = 400  # searches: after so many it pays to compile the search too; plain, it finds the same to the last bit
-SAME_TAU = 0.01  # relative difference of averaging times that are alike
-NO_SLOPES = np.empty(0)
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
 
 _searches = itertools.count()
@@ -79,12 +78,12 @@ def estimate(
     return Fitted(every, position, cost)
 
 
-def estimate_each(problem: Problem, wanted: NDArray[np.bool_]) -> list[Fitted]:
-    """Return the least cost of choices of linear terms, shape (c, 5); lines are part of each."""
+def estimate_each(problem: Problem, wanted: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return powers, shape (c, p + 1), and least costs of choices of linear terms, shape (c, 5), and lines."""
     lines = np.ones((len(wanted), len(problem.lines)), dtype=bool)
     powers, costs = np.zeros((len(wanted), len(problem.names) + 1)), np.empty(len(wanted))
     score_each(problem.columns, problem.variance, problem.weight, np.hstack([wanted, lines]), powers, costs)
-    return [Fitted(each, 0.0, cost) for each, cost in zip(powers, costs.tolist(), strict=True)]
+    return powers, costs
 
 
 def loop_of(
@@ -121,15 +120,9 @@ def _design(problem: Problem, wanted: tuple[str, ...]) -> tuple[list[int], Array
 
 def column_at(problem: Problem, position: float) -> Array:
     """Return the Allan variance of Gauss-Markov noise of sigma 1 at a position of the table, shape (k,)."""
-    first = int(np.clip(np.floor(position) - 1.0, 0.0, len(problem.table) - 4.0))
-    x = position - first
-    cubic = (
-        -(x - 1) * (x - 2) * (x - 3) / 6,
-        x * (x - 2) * (x - 3) / 2,
-        -x * (x - 1) * (x - 3) / 2,
-        x * (x - 1) * (x - 2) / 6,
-    )
-    return np.asarray(cubic @ problem.table[first : first + 4])
+    found = np.empty(problem.table.shape[1])
+    interpolate(problem.table, position, found)
+    return found
 
 
 def time_at(problem: Problem, position: float) -> float:
@@ -188,28 +181,26 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
 
     Runs are independent of each other but for the misfit, which is that of the sensor at an averaging time.
     """
+    powers = fitted.powers[fitted.powers > 0.0] if fitted.powers[-1] > 0.0 else fitted.powers[:-1]
+    left = problem.misfit * mean_of(problem, fitted) if problem.misfit > 0.0 else NONE
+    return spread_at(problem, fitted).covariance(powers, left, problem.tau)
+
+
+def spread_at(problem: Problem, fitted: Fitted) -> Spread:
+    """Return what powers are multiplied with: of all linear terms, or of those there beside Gauss-Markov noise."""
     if fitted.powers[-1] > 0.0:
-        there = np.flatnonzero(fitted.powers)
-        sigma = spread_with(problem.runs, unit_terms(problem, fitted)).covariance(fitted.powers[there])
-    else:
-        sigma = spread_of(problem.runs, problem.lines).covariance(fitted.powers[:-1])
-    if problem.misfit > 0.0:
-        left = problem.misfit * mean_of(problem, fitted)
-        alike = np.isclose(problem.tau, problem.tau[:, None], rtol=SAME_TAU, atol=0.0)
-        sigma += alike * np.outer(left, left)
-    return sigma
+        return spread_with(problem.runs, unit_terms(problem, fitted))
+    return spread_of(problem.runs, problem.lines)
 
 
 def sandwich(problem: Problem, fitted: Fitted, sigma: Array, timed: bool = True) -> Sandwich:
     """Return the covariance of the unknowns of `slopes_of`, from that of the Allan variances."""
-    markov = fitted.powers[-1] > 0.0
-    columns, powers, by = problem.columns, fitted.powers[:-1], NO_SLOPES
-    if markov:
-        columns, powers = np.column_stack([columns, column_at(problem, fitted.position)]), fitted.powers
-        by = slopes_of_time(problem, fitted) if timed else by
-    q = int(np.count_nonzero(powers)) + (len(by) > 0)
+    q = int(np.count_nonzero(fitted.powers)) + (timed and fitted.powers[-1] > 0.0)
     covariance, naive = np.empty((q, q)), np.empty((q, q))
-    fill_known(columns, powers, by, problem.weight, sigma, SINGULAR, covariance, naive)
+    fill_bread(
+        problem.columns, problem.table, problem.weight, fitted.powers, fitted.position, timed, PER_E, sigma, SINGULAR,
+        covariance, naive,
+    )  # fmt: skip
     return Sandwich(covariance, naive)
 
 
@@ -228,12 +219,12 @@ class Sandwich:
     @property
     def stretch(self) -> Array:
         """Variance over that as if W were the inverse of Sigma, shape (q,)."""
-        return np.asarray(np.diag(self.covariance) / np.diag(self.naive))
+        return np.asarray(self.covariance.diagonal() / self.naive.diagonal())
 
     @property
     def u(self) -> Array:
         """Standard uncertainties, shape (q,)."""
-        return np.sqrt(np.diag(self.covariance))
+        return np.sqrt(self.covariance.diagonal())
 
 
 def sandwich_of(D: Array, weights: Array, sigma: Array) -> Sandwich:

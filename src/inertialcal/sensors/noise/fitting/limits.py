@@ -32,6 +32,7 @@ References
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -40,24 +41,29 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import crossing_root, first_known, limit_root, limited
+from .._kernels import crossing_root, first_known
+from .._kernels_limits import end_from, hidden, limit_from, ruled_out, stretch_at
+from ..terms import Sinusoid
+from .filtered import SHAPE
 from .likelihood import (
+    SINGULAR,
+    SPACINGS,
     Fitted,
     Sandwich,
-    column_at,
     covariance_of_runs,
     estimate,
     estimate_at,
     loop_of,
-    mean_of,
     places_of,
     sandwich,
+    spread_at,
     time_at,
-    unit_terms,
 )
 from .order import NAMES, PRICE, present, unknowns
-from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem, Run, expected, linear_columns
+from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem, Run, expected, exponentials_of, linear_columns
+from .spread import HIDDEN, SAME_TAU
 
+SMALLEST = 1e-9  # of the most that there is room for: a power that is not there
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
@@ -84,13 +90,12 @@ def limit_and_record(
         The choice that the limit holds next to: the one given, or its rival.
     """
     linear = at < len(problem.names)
-    column = problem.columns[:, at] if linear else column_at(problem, fitted.position)
-    powers = fitted.powers.copy()
-    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / column))
-    if not 0.0 < powers[at] < np.inf:  # the term has no part in any deviation, or all of one
+    u, stretch = hidden(
+        problem.columns, problem.table, problem.weight, fitted.powers, fitted.position, at, SMALLEST, PER_E, sigma,
+        SINGULAR,
+    )  # fmt: skip
+    if np.isnan(u):  # the term has no part in any deviation, or all of one
         return None, None, fitted
-    added = sandwich(problem, Fitted(powers, fitted.position, fitted.cost), sigma, timed=linear)
-    u, stretch = added.at(column_of(fitted, at))
     name = problem.names[at] if linear else GAUSS_MARKOV
     named = u * float(np.sqrt(PRICE * (unknowns((*NAMES[1:2], name)) - 1.0) / stretch))
     limit, stretch = _limit(problem, fitted, at, (u, stretch), named)
@@ -108,23 +113,18 @@ def _limit(
     problem: Problem, fitted: Fitted, at: int, scale: tuple[float, float], named: float | None
 ) -> tuple[float | None, float]:
     """Return the upper limit of a power next to the terms of a choice, and the stretch there."""
-    (u, stretch), linear = scale, at < len(problem.names)
-    name = problem.names[at] if linear else GAUSS_MARKOV
-    names = tuple(dict.fromkeys((*present(problem, fitted), name)))
-    held = Held(problem, names, at, nearby(problem, fitted) if linear else (fitted.position, fitted.position))
-    places, v = held.places, np.zeros(len(held.places))
-    missed = named is not None
-    x, best, least, short, position = limited(*held.loop, u, named or 0.0, stretch, missed, ROUGH, v)
+    (u, stretch), missed, linear = scale, named is not None, at < len(problem.names)
+    wanted = fitted.powers > 0.0
+    wanted[len(LINEAR) : -1] = wanted[at] = True
+    near, powers = NEARBY if linear else 0.0, np.empty(len(wanted))
+    loop = (problem.columns, problem.table, problem.variance, problem.weight, wanted, fitted.position, near, SPACINGS)
+    x, best, least, short, position = ruled_out(*loop, at, u, named or 0.0, stretch, missed, ROUGH, powers)
     if np.isnan(x):
         return None, stretch
-    powers = np.zeros(len(fitted.powers))
-    powers[places] = v
-    there = Fitted(powers, position, np.nan)
-    bread = sandwich(problem, there, covariance_of_runs(problem, there), timed=linear)
-    stretch = bread.at(column_of(there, at))[1]
+    stretch = stretch_of(problem, Fitted(powers, position, np.nan), at, linear)
     if not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
         return None, stretch
-    x = limit_root(*held.loop, best, u, least, stretch, short, missed, TOLERANCE)
+    x = limit_from(*loop, at, u, best, least, short, missed, stretch, TOLERANCE)
     return (None if np.isnan(x) else best + x * u), stretch
 
 
@@ -166,22 +166,28 @@ class Held:
 
 def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:
     """Return the length of one record that shows a term of that power [s]; None beyond 2^24 times the present one."""
-    run = max(problem.runs, key=lambda one: one.length)
+    run, longest, columns, weight = longest_of(problem)
     powers = fitted.powers.copy()
     powers[at] = power
-    longest, weight = longer_records(run)
-    columns = linear_columns(longest)
-    if powers[len(LINEAR) :].any():
-        others = unit_terms(problem, Fitted(powers, fitted.position, fitted.cost))[
-            np.count_nonzero(powers[: len(LINEAR)]) :
-        ]
-        columns = np.column_stack([columns, *(expected(one, longest) for one in others)])
+    lines = zip(problem.lines, powers[len(LINEAR) : -1].tolist(), strict=True)
+    more = [expected(Sinusoid(1.0, frequency), longest) for frequency, size in lines if size > 0.0]
+    if powers[-1] > 0.0:
+        more += [*exponentials_of(np.array([time_at(problem, fitted.position)]), longest)]
+    if more:
+        columns = np.column_stack([columns, *more])
     kept = np.concatenate([powers[: len(LINEAR)], powers[len(LINEAR) :][powers[len(LINEAR) :] > 0.0]])
     doublings = first_known(columns, kept, weight, column_of(fitted, at), KNOWN**2 / stretch, ROUNDING)
     return run.length * 2.0**doublings if doublings <= DOUBLINGS else None
 
 
 @lru_cache(2)
+def longest_of(problem: Problem) -> tuple[Run, Run, Array, Array]:
+    """Return the longest run, `longer_records` of it, and the columns of linear terms there; not to be changed."""
+    run = max(problem.runs, key=lambda one: one.length)
+    longest, weight = longer_records(run)
+    return run, longest, linear_columns(longest), weight
+
+
 def longer_records(run: Run) -> tuple[Run, Array]:
     """Return a record 2^24 times as long, and roots of half the degrees of freedom of records of 2^0 .. 2^24 times it.
 
@@ -211,7 +217,7 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     if relative < NORMAL_BELOW:
         half = float(special.ndtri(0.5 * (1.0 + p))) * relative
         return Interval(best * np.exp(-half), best * np.exp(half), p)
-    names, within, furthest = present(problem, fitted), nearby(problem, fitted), (-WIDEST, WIDEST)
+    names, within, furthest = present(fitted), nearby(problem, fitted), (-WIDEST, WIDEST)
     held, start = Held(problem, names, at, within), best
     if timed:
         start = fitted.position
@@ -236,28 +242,32 @@ def wide_interval(
     own = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
     without = estimate(problem, tuple(name for name in names if name != own), looks=1)
     start, best = float(fitted.powers[at]), float(least.powers[at])
-    held = Held(problem, names, at, within)
     target = float(special.chdtri(1.0, 1.0 - p))
+    wanted, powers = np.zeros(len(fitted.powers), dtype=bool), np.empty(len(fitted.powers))
+    wanted[places_of(problem, names)] = True
+    loop = (problem.columns, problem.table, problem.variance, problem.weight, wanted, fitted.position, NEARBY, SPACINGS)
 
     def end(first: float, furthest: float) -> float | None:
-        risen = 2.0 * (held.fit(start * float(np.exp(first))).cost - least.cost)
-
-        def reached(level: float, tolerance: float) -> float | None:
-            step = float(np.copysign(FIRST_STEP, furthest))
-            return 0.0 if risen >= level else held.crossing(start, first, least.cost, step, level, furthest, tolerance)
-
-        rough = reached(target * stretch, ROUGH)
-        if rough is None:
+        given, step = (*loop, at, PER_E, start), math.copysign(FIRST_STEP, furthest)
+        x, position = end_from(*given, first, least.cost, step, target * stretch, furthest, ROUGH, powers)
+        if np.isnan(x):
             return None
-        there = held.fit(start * float(np.exp(first + rough)))
-        bread = sandwich(problem, there, covariance_of_runs(problem, there))
-        x = reached(target * float(bread.stretch[column_of(there, at)]), TOLERANCE)
-        return None if x is None else start * float(np.exp(first + x))
+        own = target * stretch_of(problem, Fitted(powers, position, np.nan), at)
+        x, _ = end_from(*given, first, least.cost, step, own, furthest, TOLERANCE, powers)
+        return None if np.isnan(x) else start * math.exp(first + x)
 
     ratio = float(np.log(best / start)) if best > 0.0 else -WIDEST
     absent = best <= 0.0 or 2.0 * (without.cost - least.cost) < target * stretch
     lo = None if absent else end(min(ratio, 0.0), -WIDEST)
     return Interval(lo or 0.0, end(max(ratio, 0.0), WIDEST), p)
+
+
+def stretch_of(problem: Problem, fitted: Fitted, at: int, timed: bool = True) -> float:
+    """Return the stretch of a power, with the covariance that the fitted terms imply."""
+    return stretch_at(
+        problem.columns, problem.table, problem.weight, fitted.powers, fitted.position, at, timed, PER_E,
+        *spread_at(problem, fitted).arrays, HIDDEN, SHAPE, problem.tau, SAME_TAU, problem.misfit, SINGULAR,
+    )  # fmt: skip
 
 
 def end_of(

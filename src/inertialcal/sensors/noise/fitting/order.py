@@ -20,6 +20,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.estimate import Array
 from ..terms import Quantization, RandomWalk, RateRamp
 from .likelihood import Fitted, estimate, estimate_each
 from .problem import GAUSS_MARKOV, LINEAR, Problem
@@ -30,6 +31,7 @@ NEARER = PRICE - 2.0  # the same with one of `SUPPLE`
 RAMP_COUNTS = 1  # unknowns that a ramp counts beyond its own
 
 NAMES = tuple(term.name for term in LINEAR)
+BITS = 2 ** np.arange(len(NAMES))
 SUPPLE = frozenset({RateRamp.name, GAUSS_MARKOV})  # give much of what a walk gives: an unknown more fits any record
 
 
@@ -55,36 +57,53 @@ def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
 
     With Gauss-Markov noise, those are left out that could not be nearly best: no choice has less cost than all terms.
     """
+    linear, wanted_each = choices(candidates)
+    powers, costs = estimate_each(problem, wanted_each)
+    names = named_each(powers)
     fits: dict[tuple[str, ...], Fitted] = {}
+    for i in np.argsort(costs, kind="stable").tolist():
+        if names[i] and names[i] not in fits and costs[i] < np.inf:
+            fits[names[i]] = Fitted(powers[i], 0.0, float(costs[i]))
 
     def add(fitted: Fitted) -> Fitted:
-        there = present(problem, fitted)
+        there = present(fitted)
         if there and np.isfinite(fitted.cost) and (there not in fits or fitted.cost < fits[there].cost):
             fits[there] = fitted
         return fitted
 
-    linear, wanted_each = choices(candidates)
-    plain_fits = [add(one) for one in estimate_each(problem, wanted_each)]
-    every = add(estimate(problem, candidates, looks=1)) if GAUSS_MARKOV in candidates else plain_fits[-1]
-    best = min(criterion(there, fitted) for there, fitted in fits.items())
-    for some in linear if GAUSS_MARKOV in candidates else ():
-        wanted = (*some, GAUSS_MARKOV)
-        plain = RandomWalk.name in some or RandomWalk.name not in candidates
-        if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best + NEARER:
-            add(estimate(problem, wanted, looks=1))
+    if GAUSS_MARKOV in candidates:
+        every = add(estimate(problem, candidates, looks=1))
+        best = min(criterion(there, fitted) for there, fitted in fits.items())
+        for some in linear:
+            wanted = (*some, GAUSS_MARKOV)
+            plain = RandomWalk.name in some or RandomWalk.name not in candidates
+            if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best + NEARER:
+                add(estimate(problem, wanted, looks=1))
     found = [Choice(there, criterion(there, fitted), fitted) for there, fitted in fits.items()]
     return tuple(sorted(found, key=lambda choice: choice.criterion))
 
 
+@cache
 def unknowns(terms: tuple[str, ...]) -> int:
     """Return how many unknowns the criterion counts."""
     return len(terms) + (GAUSS_MARKOV in terms) + RAMP_COUNTS * (RateRamp.name in terms)
 
 
-def present(problem: Problem, fitted: Fitted) -> tuple[str, ...]:
+def present(fitted: Fitted) -> tuple[str, ...]:
     """Return the names of terms with a positive power; lines are not among them."""
-    found = [name for name, power in zip(problem.names, fitted.powers, strict=False) if power > 0.0 and name in NAMES]
-    return (*found, GAUSS_MARKOV) if fitted.powers[-1] > 0.0 else tuple(found)
+    return named_each(fitted.powers[None])[0]
+
+
+def named_each(powers: Array) -> list[tuple[str, ...]]:
+    """Return the same of rows of powers, shape (c, p + 1)."""
+    there = powers > 0.0
+    bits = there[:, : len(NAMES)] @ BITS + there[:, -1] * 2 ** len(NAMES)
+    return [_named(each) for each in bits.tolist()]
+
+
+@cache
+def _named(bits: int) -> tuple[str, ...]:
+    return tuple(name for i, name in enumerate((*NAMES, GAUSS_MARKOV)) if bits >> i & 1)
 
 
 def criterion(terms: tuple[str, ...], fitted: Fitted) -> float:

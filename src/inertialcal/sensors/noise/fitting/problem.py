@@ -57,12 +57,12 @@ class Problem:
     weight: Array  # shape (k,): Half of the degrees of freedom
     misfit: float = 0.0  # Relative, of the Allan variances: what terms leave unexplained besides scatter
 
-    @property
+    @cached_property
     def tau(self) -> Array:
         """Averaging times, shape (k,) [s]."""
         return np.concatenate([run.tau for run in self.runs])
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length of the longest run [s]."""
         return max(run.length for run in self.runs)
@@ -72,7 +72,7 @@ def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     """Return runs of one axis stacked, with the columns of all terms."""
     of_lines = [np.concatenate([expected(Sinusoid(1.0, one), run) for run in runs]) for one in lines]
     names = tuple(term.name for term in LINEAR) + tuple(f"line_{i}" for i in range(len(lines)))
-    columns = np.column_stack([np.concatenate([linear_columns(run) for run in runs]), *of_lines])
+    columns = np.ascontiguousarray(np.column_stack([np.concatenate([linear_columns(run) for run in runs]), *of_lines]))
     shortest = min(run.interval if run.band is None else BEYOND * run.tau[0] for run in runs)
     longest = max(float(run.tau[-1]) for run in runs)
     count = max(int(np.ceil(PER_E * np.log(2.0 * longest / shortest))), 4)
@@ -130,6 +130,7 @@ def table_of(times: Array, run: Run) -> Array:
 
 
 Sampling = tuple[float, float, bytes, bytes, bytes | None]  # What the unit terms of a run without a band hang on
+Taken = tuple[Sampling, bytes, Band | None, Band | None]  # With numbers of windows and what a filter leaves
 
 
 def _sampling(run: Run) -> Sampling:
@@ -224,6 +225,11 @@ class Run:
         return np.asarray(self.m * self.interval)
 
     @cached_property
+    def taken(self) -> Taken:
+        """What the covariance of its Allan variances hangs on, but for the noise."""
+        return _sampling(self), self.n.tobytes(), self.band, self.unseen
+
+    @cached_property
     def samples(self) -> float:
         """Samples that the record has room for."""
         return float(np.max(self.n + 2.0 * self.m - 1.0))
@@ -232,6 +238,12 @@ class Run:
     def length(self) -> float:
         """Length of the record [s]."""
         return self.samples * self.interval
+
+
+def run_that_took(taken: Taken) -> Run:
+    """Return a run of such windows, without what was found, and not to be changed."""
+    sampling, n, band, unseen = taken
+    return replace(_sampled(*sampling), n=np.frombuffer(n), band=band, unseen=unseen)
 
 
 def unit_of(curve: AllanLike | Run) -> str:

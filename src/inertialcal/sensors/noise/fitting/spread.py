@@ -8,18 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_spread
+from .._kernels import Indices, fill_spread
 from ..terms import Phase, Sinusoid, Term, total_phase
 from .allan_covariance import Squares, squares_of
 from .filtered import SHAPE
-from .problem import COMPLETE, LINEAR, Run
+from .problem import COMPLETE, LINEAR, Run, Taken, run_that_took
 
+SAME_TAU = 0.01  # relative difference of averaging times that are alike
+NONE = np.empty(0)
 HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
 
 
@@ -37,13 +39,18 @@ class Spread:
     by: Array  # shape (q, k, 2): Slopes of that by the level and the curve of what it leaves
     doubt: Array  # shape (r, 2, 2): Covariance of these
 
-    def covariance(self, powers: Array) -> Array:
-        """Return the covariance of all Allan variances, shape (k, k)."""
+    @cached_property
+    def arrays(self) -> tuple[Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array]:
+        """All of these, as ``_kernels.fill_spread`` takes them."""
+        return self.squares, self.row, self.column, self.run, self.found, self.lost, self.by, self.doubt
+
+    def covariance(self, powers: Array, left: Array = NONE, tau: Array = NONE) -> Array:
+        """Return the covariance of all Allan variances, shape (k, k).
+
+        ``left`` is what terms leave unexplained at averaging times ``tau``, each shape (k,); none by default.
+        """
         sigma = np.empty((len(self.run), len(self.run)))
-        fill_spread(
-            powers, self.squares, self.row, self.column, self.run, self.found, self.lost, self.by, self.doubt,
-            HIDDEN, SHAPE, sigma,
-        )  # fmt: skip
+        fill_spread(powers, *self.arrays, HIDDEN, SHAPE, left, tau, SAME_TAU, sigma)
         return sigma
 
 
@@ -55,6 +62,12 @@ def spread_of(runs: tuple[Run, ...], lines: tuple[float, ...]) -> Spread:
 
 def spread_with(runs: Sequence[Run], terms: tuple[Term, ...]) -> Spread:
     """Return that of terms of size 1."""
+    return _spread(tuple(run.taken for run in runs), terms)
+
+
+@lru_cache(64)  # records of one length share them
+def _spread(taken: tuple[Taken, ...], terms: tuple[Term, ...]) -> Spread:
+    runs = [run_that_took(one) for one in taken]
     each = [_of_run(run, terms) for run in runs]
     sizes = [len(run.m) for run in runs]
     starts = np.cumsum([0, *sizes[:-1]])
