@@ -1695,8 +1695,8 @@ MUTANTS = (
     ),
     Mutant(
         "filtered.py",
-        "return 2.0 * float(plain - cost(best))",
-        "return -2.0 * float(plain - cost(best))",
+        "return 2.0 * (plain - cost), corner_of",
+        "return -2.0 * (plain - cost), corner_of",
         "test_filtered test_band",
     ),
     Mutant(
