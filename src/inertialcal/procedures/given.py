@@ -16,7 +16,7 @@ from ..core.errors import DataError, UsageError
 from ..core.key import AXES, Kind
 from ..core.settings import setting
 from ..core.units import divide, kind, normalise, parse_quantity, same_dimension
-from ..files.text.headers import UNNAMED, bare_name, full_name
+from ..files.text.headers import UNNAMED, bare_name, full_name, is_set_point
 
 if TYPE_CHECKING:
     from ..core.recording import Channel, Recording
@@ -566,6 +566,7 @@ def _of_role(recording: Recording, role: Role, roles: Sequence[Role], used: Set[
     if role.name != alike[0]:
         return {role.name: own[0].name} if len(own) == 1 else {}
     found = [one for one in left if bare_name(one.name) not in alike[1:]]
+    found = [one for one in found if not is_set_point(one.name)] or found
     if len(found) == 1:
         return {role.name: found[0].name}
     by_axis = {f"{role.name}_{one.axis}": one.name for one in found if one.axis in AXES}

@@ -7,13 +7,14 @@ from itertools import combinations
 from typing import Any
 
 from ...core.errors import Problem
+from ...core.key import AXES
 from ...core.schema.toml import At
 from ...core.units import kind
 from ...procedures import procedure_names, procedure_of
 from ...procedures.entries import SaidTest
 from ...procedures.protocol import Procedure
 from .plans import plan_values
-from .recordings import OWN_KEYS, TABLE_KEYS, CommonKeys, table_of
+from .recordings import OWN_KEYS, TABLE_KEYS, CommonKeys, RecordingEntry, table_of
 from .schema import CampaignFile, Test
 from .sensors import RAW
 
@@ -284,8 +285,17 @@ def _sensor_of(file: CampaignFile, test: Test) -> str:
 
 def _same_readings(file: CampaignFile, one: Test, other: Test) -> bool:
     """Tell by the files, not by the names of recordings, whether two tests share readings."""
-    files = [{file.recordings[n].file for n in test.recordings if n in file.recordings} for test in (one, other)]
-    return bool(files[0] & files[1]) and _share(one, other)
+    entries = [[file.recordings[n] for n in test.recordings if n in file.recordings] for test in (one, other)]
+    return any(_of_one_sensor(file, a, b) for a in entries[0] for b in entries[1]) and _share(one, other)
+
+
+def _of_one_sensor(file: CampaignFile, one: RecordingEntry, other: RecordingEntry) -> bool:
+    """Whether two entries read the same rows of a file; columns of their axes that are others are other readings."""
+    if one.file != other.file:
+        return False
+    axes = [{entry.channels[axis].column for axis in AXES if axis in entry.channels} if entry.channels else set()
+            for entry in (one, other)]  # fmt: skip
+    return not all(axes) or one.topics != other.topics or bool(axes[0] & axes[1])
 
 
 def _share(one: Test, other: Test) -> bool:

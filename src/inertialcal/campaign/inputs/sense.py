@@ -7,7 +7,7 @@ exclusion. All axes together are looked through for a change of what they record
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,18 +19,21 @@ from ...core.errors import DataError
 from ...core.key import AXES
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
-from ...core.units import kind
+from ...core.show.rounding import number
+from ...core.units import factor, kind
 from ...procedures.protocol import Exclusion, Facts
 from ...signals.sense.change import Change
 from ...signals.sense.changes import LATE, MOST, averaged, changes
 from ...signals.sense.limits import ARCHIVE, impossible
 from ...signals.time.samples import Flags, Indices
-from ..file.recordings import RecordingEntry
+from ..file.recordings import ChannelEntry, RecordingEntry
 from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
 CONDITIONS = ("pressure", "voltage")  # kinds of unit
+FEW = 1000  # samples that tell of gravity
+NEAR = 0.1  # of gravity: usual bias and error of scale
 
 
 def sensible(
@@ -96,6 +99,7 @@ def sensible(
         if one.name not in columns:
             for remark in impossible(one.data, one.unit, f"recording {name}, {one.name} (not used)", place).remarks:
                 remarks.append(replace(remark, severity="warning", recording=name))
+    remarks += _in_another_unit(name, facts, raw, body, given)
     whole, body = body, without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:
@@ -109,6 +113,27 @@ def sensible(
         named = (change.remark(place) for change in known[key])
         remarks += [replace(one, what=f"recording {name}: {one.what}", recording=name) for one in named]
     return Passed(body, tuple(remarks), tuple(exclusions))
+
+
+def _in_another_unit(
+    name: str, facts: Facts, raw: Recording, body: Recording, given: Mapping[str, ChannelEntry]
+) -> Iterator[Remark]:
+    """Yield a remark where a triad reads gravity as 1 m/s^2, or as 9.8 g: as of a file that states a wrong unit."""
+    if facts.kind != "accelerometer" or not set(AXES) <= {*body.names} & given.keys():
+        return
+    if any(kind(raw.channel(given[axis].column).unit or "count") != "acceleration" for axis in AXES):
+        return
+    rows = slice(None, None, max(1, len(body) // FEW))
+    values = np.column_stack([body.channel(axis).data[rows] for axis in AXES])
+    values = values[np.isfinite(values).all(axis=1)]
+    norm = float(np.median(np.sqrt((values**2).sum(axis=1)))) if len(values) else 0.0
+    for stated, meant in (("m/s^2", "g"), ("g", "m/s^2")):
+        gravity = factor("g", "m/s^2") * factor(stated, meant)  # as it is read then
+        if abs(norm - gravity) <= NEAR * gravity:
+            shown = f"{number(norm * factor('m/s^2', stated), 3)} {stated}"
+            what = f"recording {name}: median |acc| is {shown}, which gravity is in {meant}: is the stated unit wrong?"
+            do = f"If so, state {meant}, whatever the file says"
+            yield Remark("gravity_in_another_unit", "warning", what, raw.source.path, do=do, recording=name)
 
 
 def _changes(

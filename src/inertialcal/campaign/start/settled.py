@@ -49,8 +49,7 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str, of_file
     reading = _reading(said)
     for key, entry in recordings.items():
         recordings[key] = _read_as(_of_file(entry, of_files), reading)
-    if axis:
-        _turn(recordings, tests, axis)
+    _turn(recordings, tests, axis)
     site = {"latitude": said.latitude, "gravity": said.gravity, "height": said.height}
     parts["site"] |= {name: value for name, value in site.items() if value is not None}
 
@@ -167,14 +166,22 @@ def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
 
 
 def _turn(recordings: dict[str, object], tests: Sequence[object], axis: str) -> None:
-    """Put the axis that was turned where a recording or a test leaves it open."""
-    for key, entry in recordings.items():
-        table = plain_table(entry)
-        if _is_marked(table.get("axis")):
-            recordings[key] = table | {"axis": axis}
-    for test in tests:
-        if isinstance(test, dict) and _is_marked(test.get("plan")) and "axis" in plain_table(test["plan"]):
-            test["plan"] = plain_table(test["plan"]) | {"axis": axis}
+    """Put the axis that was turned where a recording or a test leaves it open; several that are seen stay as they are.
+
+    One answer is not right for recordings of which each was turned about an axis of its own.
+    """
+    marked = {key: str(table["axis"].value) for key, entry in recordings.items()
+              if _is_marked((table := plain_table(entry)).get("axis"))}  # fmt: skip
+    plans = [test for test in tests if isinstance(test, dict) and _is_marked(test.get("plan"))]
+    plans = [test for test in plans if "axis" in plain_table(test["plan"])]
+    seen = {*marked.values(), *(plain_table(test["plan"])["axis"] for test in plans)} - {"?"}
+    for key, own in marked.items():
+        turned = own if own != "?" and len(seen) > 1 else axis
+        recordings[key] = plain_table(recordings[key]) | {"axis": turned} if turned else recordings[key]
+    for test in plans:
+        own = str(plain_table(test["plan"])["axis"])
+        turned = own if own != "?" and len(seen) > 1 else axis
+        test["plan"] = plain_table(test["plan"]) | {"axis": turned} if turned else test["plan"]
 
 
 def _is_marked(value: object) -> bool:

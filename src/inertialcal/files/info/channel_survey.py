@@ -104,7 +104,12 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
 
 
 def screened(
-    survey: ChannelSurvey, data: NDArray[Any], at_rest: bool, readings: Sequence[NDArray[Any]], time_ns: Times | None
+    survey: ChannelSurvey,
+    data: NDArray[Any],
+    at_rest: bool,
+    readings: Sequence[NDArray[Any]],
+    time_ns: Times | None,
+    stated: bool = False,
 ) -> ChannelSurvey:
     """Return the survey of a channel with what its samples show, of those that mean something for its quantity.
 
@@ -118,8 +123,12 @@ def screened(
         Whether steps, changes of the noise and waves mean something.
     readings, time_ns
         As `stuck_slow` takes them.
+    stated : bool
+        It is what was applied, as it was asked for, or an angle: such a course repeats itself, and ends where it must.
     """
     found = screen(data, at_rest)
+    if stated:
+        found = replace(found, findings=tuple(one for one in found.findings if one.code in ANY_CHANNEL[1:]))
     if survey.quantity in NO_CODES:
         kept_codes = ANY_CHANNEL[1:] if survey.quantity == "index" else ANY_CHANNEL  # a counter of packets begins anew
         found = replace(found, findings=tuple(one for one in found.findings if one.code in kept_codes))
@@ -146,7 +155,7 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str], aside: b
         Whether the sensors of the file are in other channels: one that is constant is no loss.
     """
     if survey.is_constant:
-        severity: Severity = "info" if aside or survey.quantity in NO_CODES else "warning"
+        severity: Severity = "info" if aside or survey.quantity in (*NO_CODES, "spread") else "warning"
         what = f"{survey.name!r} is {survey.minimum or 0.0:g} throughout"
         return (Remark("constant_channel", severity, what, place(0), subject=survey.name),)
 

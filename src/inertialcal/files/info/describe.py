@@ -15,7 +15,17 @@ from ...core.remarks import Remark
 from ...core.unit.atoms import REFUSED
 from ...signals.time.time_axis import AGAIN, TimeAxis, backward_steps
 from ..columns import Column
-from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading_within, is_applied, normal_unit
+from ..text.headers import (
+    KINDS,
+    THREES,
+    Heading,
+    about_axis,
+    bare_name,
+    counted_axis,
+    heading_within,
+    is_applied,
+    normal_unit,
+)
 
 GROUPS = {
     "gyro": "gyro",
@@ -76,7 +86,8 @@ def describe(
         If its unit is not known.
     """
     remarks: list[Remark] = []
-    described = _readings_alone(_counted_axes([_from_header(column, path, remarks) for column in columns]))
+    described = [_from_header(column, path, remarks) for column in columns]
+    described = _turned(_readings_alone(_one_a_letter(_counted_axes(_letters_first(described)))))
     said: list[Said] = []
     by_group = {key: unit for key, unit in flags.items() if not _named(described, key)}
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
@@ -136,6 +147,28 @@ def _counted_axes(described: Sequence[Described]) -> list[Described]:
     return found
 
 
+def _letters_first(described: Sequence[Described]) -> list[Described]:
+    """Return the columns; where letters name the axes of the gyros (``GyroZ``), words beside (``Yaw Rate``) do not."""
+    by_word = {i for i, one in enumerate(described) if one.quantity == "gyro" and one.axis and about_axis(one.name)}
+    lettered = any(one.quantity == "gyro" and one.axis for i, one in enumerate(described) if i not in by_word)
+    return [replace(one, axis="") if lettered and i in by_word else one for i, one in enumerate(described)]
+
+
+def _one_a_letter(described: Sequence[Described]) -> list[Described]:
+    """Return the columns; three of a sensor by their unit whose names differ in one letter are its x, y and z."""
+    found = list(described)
+    for quantity, kind in READINGS.items():
+        own = [one for one in found if one.quantity == quantity and one.unit and units.kind(one.unit) == kind]
+        bare = {bare_name(one.name).lower(): one for one in own}
+        for name, letters in ((name, letters) for name in bare for letters in THREES):
+            for at in (at for at in range(len(name)) if name[at] == letters[0]):
+                three = [bare.get(name[:at] + letter + name[at + 1 :]) for letter in letters]
+                if all(one is not None and not one.axis for one in three):
+                    for axis, one in zip("xyz", three, strict=True):
+                        found = [replace(other, axis=axis) if other is one else other for other in found]
+    return found
+
+
 def _readings_alone(described: Sequence[Described]) -> list[Described]:
     """Return the columns; those beside a triad that are about its sensor (``gyro_clipping``) are no readings."""
     found = list(described)
@@ -147,6 +180,16 @@ def _readings_alone(described: Sequence[Described]) -> list[Described]:
                 if found[i].unit is None or units.kind(found[i].unit or "") != kind:
                     found[i] = replace(found[i], quantity="")
     return found
+
+
+def _turned(described: Sequence[Described]) -> list[Described]:
+    """Return the columns; beside the rate of a table, columns of counts or volts that are axes alone are of gyros."""
+    rates = [one for one in described if one.quantity == "gyro" and not one.axis and one.unit]
+    sensors = any(one.axis and one.quantity in READINGS for one in described)
+    if sensors or not any(units.kind(one.unit or "") == "angular_rate" for one in rates):
+        return list(described)
+    raw = [one.axis and not one.quantity and one.unit and units.kind(one.unit) in TESTED for one in described]
+    return [replace(one, quantity="gyro") if own else one for one, own in zip(described, raw, strict=True)]
 
 
 def _counts_rows(column: Column, quantity: str) -> bool:

@@ -9,20 +9,22 @@ from typing import Any, Literal
 import numpy as np
 
 from ...core.key import AXES
-from ...core.recording import ClockRate, Recording, Source
+from ...core.recording import Channel, ClockRate, Recording, Source
 from ...core.remarks import Remark, gather
 from ...core.results import finite
 from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import number, uncertainty
 from ...core.show.tables import Block, Table, ending, html, text
+from ...core.units import kind
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.time_axis import TimeAxis, analyse
 from ..budget import SURVEY, claim_recording
-from ..text.headers import UNNAMED
+from ..text.headers import UNNAMED, is_set_point
 from ..time.stamps import time_remarks
 from .channel_survey import ChannelSurvey, Hint, channel_remarks, screened, survey_channel, unit_hints
 from .motion import is_sensed, motion_remarks
 from .sense import sense_remarks
+from .table_columns import guess_channels
 
 SENSORS = ("gyro", "acc")
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
@@ -207,8 +209,16 @@ def survey_recording(recording: Recording) -> Survey:
     motion = motion_remarks(recording, channels)
     at_rest = not any(remark.code == "not_at_rest" for remark in motion)
     readings = [channel.data for channel in recording.channels if is_sensed(channel)]
+    applied = guess_channels(recording.channels).applied
     channels = tuple(
-        screened(survey, channel.data, at_rest and is_sensed(channel), readings, recording.time_ns)
+        screened(
+            survey,
+            channel.data,
+            at_rest and is_sensed(channel),
+            readings,
+            recording.time_ns,
+            channel.name == applied or _is_course(channel),
+        )
         for survey, channel in zip(channels, recording.channels, strict=True)
     )
     path, first = recording.source.path, recording.first_row
@@ -237,6 +247,12 @@ def survey_recording(recording: Recording) -> Survey:
         remarks=remarks,
         compensated_by=recording.compensated_by,
     )
+
+
+def _is_course(channel: Channel) -> bool:
+    """Whether a channel holds an angle of no gyro, or what a controller was asked for."""
+    is_angle = channel.unit is not None and kind(channel.unit) == "angle" and channel.quantity != "gyro"
+    return (is_angle and not channel.axis) or is_set_point(channel.name)
 
 
 def nameless_remarks(recording: Recording) -> tuple[Remark, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...core.recording import Channel
 from ...core.units import kind
+from ..text.headers import plain
 from ..text.table import Table
 
 PATTERNS = {
@@ -21,10 +22,11 @@ PATTERNS = {
         r"(^|_)(rate|applied|input|table_rate|commanded|omega"
         r"|(dreh)?tisch(dreh)?(rate|zahl|geschwindigkeit)?|soll(wert|(dreh)?(rate|zahl|geschwindigkeit))?"
         r"|(turn)?table_(speed|velocity)|stage_(speed|velocity)|set_?point|command"
-        r"|vitesse|consigne)(_|$)"
+        r"|vitesse|consigne|tavola|piattaforma|plateau|mesa|consigna|impostat[ao])(_|$)"
     ),
-    "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type)(_|$)",
-    "samples": r"^(n|samples|n_samples|count|anzahl|nombre)$",
+    "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type"
+    r"|(deviazione|desviacion)(_standard|_estandar|_tipica)?|scarto(_tipo)?)(_|$)",
+    "samples": r"^(n|samples|n_samples|count|anzahl|nombre|campioni|muestras)$",
     "group": r"^(set|group|sample_set)$",
     "run": r"^(run|run_id|power_up|turn_on)$",
     "axis": r"^(axis|turned|axis_turned)$",
@@ -34,7 +36,7 @@ OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 RAW = ("voltage", "count")  # kinds of unit
 READING = (
     r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist((dreh)?rate|wert)?|messwert|mittelwert|ausgang"
-    r"|mesure|moyenne|sortie)(_|$)"
+    r"|mesure|moyenne|sortie|misura(ta|to)?|media|uscita|lettura|medida|lectura|salida)(_|$)"
 )
 AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
@@ -56,6 +58,7 @@ class Guess:
     reading_unit: str | None = None  # That of applied, and that of all readings, where their names say it
     by_axis: dict[str, str] = field(default_factory=dict)
     scatter_by_axis: dict[str, str] = field(default_factory=dict)  # Of the readings of each axis
+    follows: str | None = None  # Axis whose readings follow the rate, where someone looked at the numbers
 
 
 def guess(table: Table) -> Guess:
@@ -100,7 +103,7 @@ def names_rates(names: Iterable[str]) -> bool:
 
 
 def _key(name: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "_", name.lower())
+    return re.sub(r"[^a-z0-9]+", "_", plain(name).lower())
 
 
 def _matches(name: str, pattern: str) -> bool:

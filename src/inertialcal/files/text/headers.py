@@ -12,25 +12,45 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from unicodedata import combining
 
 from ...core import units
 from ...core.errors import InertialcalError
 
-# English, German, French; letters without their marks (`_plain`).
+# English, German, French, Italian, Spanish; letters without their marks (`plain`).
 GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
 GYRO |= {"drehrate", "drehraten", "winkelgeschwindigkeit", "kreisel", "gyrometre", "gyrometres"}
+GYRO |= {"giroscopio", "giroscopi", "giroscopios", "giro"}
+# About which axis of a vehicle a rate is: forwards, sideways, up or down.
+ABOUT = {
+    "x": {"roll", "wank", "roulis", "rollio", "alabeo"},
+    "y": {"pitch", "nick", "tangage", "beccheggio", "cabeceo"},
+    "z": {"yaw", "gier", "lacet", "imbardata", "guinada"},
+}
 RATE = {"vitesse", "rate", "rotation"}  # of what turns, where it is read in volts or counts about an axis
 RAW = {"voltage", "count"}
 ACC = {"acc", "accs", "accel", "accels", "accl", "accelerometer", "accelerometers", "acceleration", "accelerations"}
 ACC |= {"beschleunigung", "beschleunigungen", "beschl", "accelerometre", "accelerometres"}
+ACC |= {
+    "accelerometro",
+    "accelerometri",
+    "accelerazione",
+    "accelerazioni",
+    "acelerometro",
+    "aceleracion",
+    "aceleraciones",
+}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
 MAGNETOMETER |= {"magnetfeld", "flussdichte", "magnetometre", "magnetique"}
 TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor", "temperatur", "temperaturen"}
+TEMPERATURE |= {"temperatura", "temperaturas"}
 PRESSURE = {"pressure", "press", "baro", "barometer", "druck", "luftdruck", "pression"}
-VOLTAGE = {"voltage", "volt", "volts", "vref", "spannung", "tension"}
+PRESSURE |= {"pressione", "presion"}
+VOLTAGE = {"voltage", "volt", "volts", "vref", "spannung", "tension", "tensione", "voltaje"}
 TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime", "date"}
-TIME |= {"zeit", "zeitstempel", "datum", "uhrzeit", "messzeit", "heure", "horodatage"}
+TIME |= {"zeit", "zeitstempel", "datum", "uhrzeit", "messzeit", "heure", "horodatage", "gmt"}
+TIME |= {"tempo", "ora", "fecha", "hora", "tiempo", "marcatemporale"}
 NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step", "delta", "diff", "duration"}
 OFFSET = {"relative"}  # of a stamp to another one, where a sensor is named beside it
 NOT_TIME |= {"konstante", "abstand", "dauer", "constante", "intervalle", "duree"}
@@ -38,6 +58,19 @@ SPREAD = {"std", "stdev", "stddev", "sd", "sigma", "standardabweichung", "stabw"
 # What a table says was applied, beside what was read.
 APPLIED = {"applied", "app", "reference", "ref", "true", "truth", "nominal", "nom", "commanded", "command", "cmd"}
 APPLIED |= {"expected", "ideal", "theoretical", "soll", "sollwert", "up"}
+# Of a controller: what it was asked for, which is no reading.
+SET = {
+    "setpoint",
+    "soll",
+    "sollwert",
+    "solltemperatur",
+    "consigne",
+    "consigna",
+    "target",
+    "commanded",
+    "command",
+    "cmd",
+}
 STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
 WORDS = (
     ("gyro", GYRO),
@@ -51,9 +84,16 @@ WORDS = (
 )
 PHRASES = {
     "angular velocity": "gyro", "angular rate": "gyro", "rotation rate": "gyro", "vitesse angulaire": "gyro",
+    **{f"{word} rate": "gyro" for known in ABOUT.values() for word in known},
+    "velocita angolare": "gyro", "velocidad angular": "gyro", "velocita di rotazione": "gyro",
     "vitesse de rotation": "gyro", "ecart type": "spread",
+    "deviazione standard": "spread", "desviacion estandar": "spread", "desviacion tipica": "spread",
 }  # fmt: skip
 LETTERS = {"w": "gyro", "g": "gyro", "a": "acc", "m": "magnetometer"}  # wx, gx, ax, mx
+THREES = (
+    "xyz",
+    "pqr",
+)  # letters by which three columns of one sensor differ: ``rx``, ``ry``, ``rz``; ``p``, ``q``, ``r``
 
 # Whole names (letters and digits only, lower case).
 TIME_NAMES = {
@@ -92,6 +132,9 @@ INDEX_NAMES = frozenset(_INDEX_NAMES.split())
 
 SUFFIXES = {
     "dps": "deg/s",
+    "degps": "deg/s",
+    "radps": "rad/s",
+    "rads": "rad/s",
     "mdps": "mdeg/s",
     "dph": "deg/h",
     "mps2": "m/s^2",
@@ -133,6 +176,7 @@ SUFFIXES = {
     "kg": "kg",
 }
 PAIRS = {("deg", "s"): "deg/s", ("rad", "s"): "rad/s", ("deg", "h"): "deg/h", ("m", "s2"): "m/s^2"}
+PAIRS |= {("deg", "sec"): "deg/s", ("rad", "sec"): "rad/s", ("deg", "hr"): "deg/h"}
 
 # Kinds of unit that a quantity can come in, raw ones included; others may come in any.
 KINDS = {
@@ -154,6 +198,7 @@ BY_KIND = {
 SENSOR_WORDS = {"gyro": GYRO, "acc": ACC}
 # Readings that core.units refuses on its own, and that the quantity settles.
 SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
+SETTLED |= {("acc", "ms2"): "m/s^2"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
 COUNTED = re.compile(r"(.*\S)\[([012])\]")
 OF_SENSOR = re.compile(r"\bLBL: ([^,)]+)")  # of a HOBO, what its owner calls a sensor
@@ -189,7 +234,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
         As a units row or metadata say it; goes before the name.
     """
     named, given = _behind(bare_name(name), in_brackets(name)) if unit is None else (bare_name(name), unit)
-    bare = _plain(named)
+    bare = plain(named)
     words = [word.lower() for word in WORD.findall(bare)]
     known, rest = _suffix(bare)
     known = known if given is None else None
@@ -197,6 +242,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     if given is not None and given.strip():
         known = _known(given.strip(), quantity)
     known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
+    known = SETTLED.get((quantity, re.split(r"[_\s.]+", bare)[-1])) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
     if quantity == "time" and kind == "temperature" and bare.lower() == "temps":  # times in French
         quantity = "temperature"
@@ -204,7 +250,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
         return Heading(known, "", quantity, "")
     if not quantity and kind in RAW and RATE.intersection(words) and _axis(words):
         quantity = "gyro"  # ``Vitesse X (V)``: in m/s it is none
-    unknown = given.strip() if given is not None and known is None and ":" not in given else ""  # ``LGR S/N: 123``
+    unknown = (
+        given.strip() if given is not None and known is None and ":" not in given and _opening(name) != 0 else ""
+    )  # ``LGR S/N: 123``
     if (bare, kind) == ("T", "temperature"):
         quantity = kind
     if quantity == "index" and kind in BY_KIND and kind != "time":  # ``i [g]``
@@ -217,6 +265,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
+    axis = axis or (about_axis(bare) if kind == "angular_rate" or quantity == "gyro" else "")
     if not quantity and not (axis and kind in RAW):  # ``x [V]`` is an axis of a sensor, like ``x [count]``
         quantity = BY_KIND.get(kind, "")
     quantity, axis = (quantity, axis) if axis or kind not in RAW else _labelled(name, quantity)
@@ -239,9 +288,16 @@ def heading_within(name: str, unit: str | None, group: str) -> Heading:
     return Heading(within.unit, said.axis, within.quantity, within.unknown) if within.quantity in SENSOR_WORDS else said
 
 
-def _plain(name: str) -> str:
+def plain(name: str) -> str:
     """Return a name without the marks of its letters: ``Température`` as ``Temperature``."""
     return name if name.isascii() else "".join(c for c in unicodedata.normalize("NFD", name) if not combining(c))
+
+
+def about_axis(name: str) -> str:
+    """Return the axis of a vehicle that a name says, of a rate: ``roll_rate``, ``Gierrate``; else ``""``."""
+    words = {word.lower().removesuffix("rate") for word in WORD.findall(plain(bare_name(name)))}
+    found = [axis for axis, known in ABOUT.items() if known & words]
+    return found[0] if len(found) == 1 else ""
 
 
 def sensor_of_stamps(name: str) -> str:
@@ -257,10 +313,16 @@ def is_applied(name: str) -> bool:
     return not APPLIED.isdisjoint(word.lower() for word in WORD.findall(bare_name(name)))
 
 
+def is_set_point(name: str) -> bool:
+    """Whether a column is called what a controller was asked for: ``setpoint_degC``, ``Set Temp (C)``."""
+    words = [word.lower() for word in WORD.findall(plain(bare_name(name)))]
+    return not SET.isdisjoint(words) or words[:1] == ["set"] or ("set", "point") in pairwise(words)
+
+
 def bare_name(name: str) -> str:
     """Return the name without a unit in brackets."""
     at = _opening(name)
-    return name.strip() if at is None else name.strip()[:at].strip(" _,/")
+    return name.strip()[:at].strip(" _,/") if at else name.strip()
 
 
 def full_name(names: Sequence[str], name: str) -> str | None:
@@ -295,7 +357,7 @@ def _opening(name: str) -> int | None:
     if closing not in CLOSING:
         return None
     depth = 0
-    for at in range(len(name) - 1, 0, -1):
+    for at in range(len(name) - 1, -1, -1):
         depth += (name[at] == closing) - (name[at] == CLOSING[closing])
         if depth == 0:
             return at
@@ -373,6 +435,8 @@ def _quantity(bare: str, words: list[str], letters: bool = True) -> str:
     for phrase, quantity in PHRASES.items():
         if phrase in spaced:
             return quantity
+    if len(words) == 2 and words[0] == "ac" and words[1] in ("x", "y", "z"):  # ``AcX``, beside ``GyX``
+        words = ["acc", words[1]]
     of_sensor = words[-1:] and (words[-1] in TEMPERATURE or not _axis(words))  # ``gyro_temp``
     if "free" in words:  # of gravity: no reading of a sensor
         words = [word for word in words if word not in ACC]

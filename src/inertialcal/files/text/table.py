@@ -24,7 +24,7 @@ from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader, lines_of, sign_of
 from ..source import checked_path, load
 from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
-from .grouped import commas, problem, without_groups
+from .grouped import commas, problem, shows_groups, without_groups
 from .headers import bare_name, heading
 from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float, without_first
 from .results_table import is_results, results_columns
@@ -138,7 +138,8 @@ class Table:
         if isinstance(cells, NumberCells):
             check_readings(self.names[at], cells.values, self.unit(name), self.where)
             return cells.values.copy()
-        cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch)
+        sure = any(shows_groups(one, self.decimal) for one in self.cells if not isinstance(one, NumberCells))
+        cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch, sure)
         kinds = [kind(cell, self.decimal) for cell in cells]
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
         values = np.array(numbers, dtype=np.float64)

@@ -30,7 +30,19 @@ from ..columns import Content
 from ..info.describe import Described, find_column
 from ..text.hobo import zone_of
 from .dates import as_iso, looks_clock, looks_dated, since_midnight, with_times_of_day
-from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_serial, is_utc, looks_iso, serial_ns, to_ns
+from .stamps import (
+    beyond_epoch,
+    digits,
+    epoch_unit,
+    from_iso,
+    going_on,
+    is_serial,
+    is_utc,
+    looks_iso,
+    serial_ns,
+    spread_out,
+    to_ns,
+)
 
 FEWEST = 10  # rows from which an unnamed first column can be time
 BACKWARD = 0.1  # share of backward steps from which a column is no time
@@ -153,6 +165,11 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
         time_ns = changed(time_ns, lambda part: part - ahead, "int64")
         remarks = (Remark("zone_of_header", "info", f"stamps of {described.name!r}: UTC by their header", place.path),)
     steps = _require_forward(described, time_ns, place)
+    time_ns, late = spread_out(time_ns, steps)
+    if len(late):
+        steps = steps_of(time_ns)
+        what = f"stamp of {described.name!r} repeated before a step twice as long: the sample is taken to lie midway"
+        remarks += (Remark("stamp_midway", "info", what, place.row(int(late[0])), len(late)),)
     dated = kind == "M" or (kind == "O" and not looks_clock(described.column.values))
     utc = dated or is_utc(time_ns) or _said_utc(described.name, time_ns)
     return Clock(at, time_ns, "utc" if utc else "elapsed", remarks, steps)
@@ -239,6 +256,10 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
         _refuse_digits(described, place, beyond_epoch(values))
     if unit == DAY and is_serial(values):
         return serial_ns(values), (*remarks, *_without_zone(described, place))
+    values, again = going_on(values)
+    if len(again):
+        what = f"{described.name!r} is a counter that begins anew: it goes on behind its largest number"
+        remarks += (Remark("counter_anew", "info", what, place.row(int(again[0])), len(again)),)
     time_ns = to_ns(values, unit)
     if time_ns is None:
         what = f"stamps of {described.name!r} in {unit} span more than 292 years"

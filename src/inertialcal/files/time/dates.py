@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import date, timedelta
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,9 @@ DATE = re.compile(
     rf"(?:[T ,;]\s*{_CLOCK}\s*(?P<zone>Z|UTC|[+-][0-9]{{2}}:?[0-9]{{2}})?)?",
     re.IGNORECASE,
 )
+DAY_OF_YEAR = re.compile(  # as those of spacecraft: ``2014/295/09:36:36``, ``2014-295T09:36:36``
+    rf"(?P<year>[0-9]{{4}})[/:-](?P<day>[0-9]{{3}})[/:T \-]{_CLOCK}\s*(?P<zone>Z|UTC)?", re.IGNORECASE
+)
 ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}.*")  # read as it is
 YEAR = 4  # digits
 MONTHS, CENTURY, HALF_DAY, DAY = 12, 2000, 12, 86_400
@@ -45,7 +49,7 @@ def check_dates(order: str | None) -> str | None:
 def looks_dated(cells: Sequence[str] | NDArray[Any]) -> bool:
     """Whether the first and the last cell are dates in the order of a spreadsheet."""
     ends = [str(cell) for cell in (cells[0], cells[-1])] if len(cells) else [""]
-    return all(DATE.fullmatch(cell) and not ISO_DATE.fullmatch(cell) for cell in ends)
+    return all(DAY_OF_YEAR.fullmatch(cell) or (DATE.fullmatch(cell) and not ISO_DATE.fullmatch(cell)) for cell in ends)
 
 
 def looks_clock(cells: NDArray[Any]) -> bool:
@@ -68,6 +72,8 @@ def as_iso(cells: NDArray[Any], order: str | None, name: str, where: str) -> NDA
     DataError
         ``ambiguous_date`` where day and month cannot be told apart.
     """
+    if len(cells) and DAY_OF_YEAR.fullmatch(str(cells[0])):
+        return np.array([_of_day(str(cell)) for cell in cells], dtype=object)
     found = [DATE.fullmatch(str(cell)) for cell in cells]
     known = [one for one in found if one is not None]
     if order is None:
@@ -123,9 +129,23 @@ def _iso(found: re.Match[str], order: str) -> str:
     if not 1 <= int(month) <= MONTHS:
         return found.string
     ns = _nanoseconds(found) if found["hour"] else 0
+    return f"{year}-{int(month):02d}-{int(day):02d}T{_clock(ns)}{found['zone'] or ''}"
+
+
+def _of_day(cell: str) -> str:
+    """Return an instant by the day of its year as ISO 8601 text; as it is where it is none."""
+    found = DAY_OF_YEAR.fullmatch(cell)
+    if found is None:
+        return cell
+    day = date(int(found["year"]), 1, 1) + timedelta(days=int(found["day"]) - 1) if int(found["year"]) else date.max
+    same = day.year == int(found["year"])  # no day 0, no day 366 of a common year
+    return f"{day}T{_clock(_nanoseconds(found))}{found['zone'] or ''}" if same else cell
+
+
+def _clock(ns: int) -> str:
+    """Return a time of day [ns] as ISO 8601 text."""
     seconds, fraction = divmod(ns, SECOND)
-    clock = f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{fraction:09d}"
-    return f"{year}-{int(month):02d}-{int(day):02d}T{clock}{found['zone'] or ''}"
+    return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{fraction:09d}"
 
 
 def _nanoseconds(found: re.Match[str]) -> int:

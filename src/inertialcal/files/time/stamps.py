@@ -15,17 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.batches import batches, changed, every, extremes, mean, near, where
+from ...core.batches import any_step, batches, changed, every, extremes, mean, near, where
 from ...core.batches.summaries import median, median_made
 from ...core.estimate import Numbers
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
+from ...signals.time.time_axis import Steps
 
 EPOCH_FIRST, EPOCH_LAST = 1_000_000_000, 4_102_444_800  # 2001-09-09 and 2100-01-01 [s]
 EPOCH_UNITS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 SERIAL_FIRST, SERIAL_LAST = 36_526, 73_051  # 2000-01-01 and 2100-01-01 as spreadsheets count days, from 1899-12-30
 SERIAL_EPOCH = 25_569  # 1970-01-01, in such days
 MICROSECOND = 1_000  # [ns]: float64 holds no less of a day of such a number
+COUNTERS = (16, 24, 32)  # bits
+FEWEST_COUNTED = 10  # numbers that show how a counter goes on
+LONGEST_STEP = 10.0  # usual steps: samples are lost where a counter begins anew, too
+MOST_TWICE = 0.01  # share of stamps that came twice
+MIDWAY = 0.5  # of the usual step, by which two of them may differ from twice its length
 WIDEST = 9.2e18  # [ns]
 EXACT = 2.0**44  # [ns]: smaller products of float64 are right to a thousandth of a nanosecond
 ISO = re.compile(
@@ -62,6 +68,50 @@ def serial_ns(values: Numbers) -> Times:
         return (time_ns + MICROSECOND // 2) // MICROSECOND * MICROSECOND
 
     return changed(values, in_ns, np.int64)
+
+
+def going_on(values: Numbers) -> tuple[Numbers, NDArray[np.int64]]:
+    """Return whole numbers of a counter of 16, 24 or 32 bits as one that goes on, and the index of each new beginning.
+
+    It began anew where it goes back by so much that the next number, with all bits more, is a usual step ahead.
+    """
+    nowhere = np.empty(0, dtype=np.int64)
+    counted = values.astype(np.int64) if values.dtype.kind == "u" and values.dtype.itemsize < 8 else values
+    if counted.dtype.kind != "i" or len(values) < FEWEST_COUNTED or not any_step(counted, lambda step: step < 0):
+        return values, nowhere
+    counted = counted.astype(np.int64)
+    steps = np.diff(counted)
+    back = np.flatnonzero(steps < 0)
+    usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
+    for bits in COUNTERS:
+        ahead = steps[back] + 2**bits
+        if counted.min() >= 0 and counted.max() < 2**bits and np.all((ahead > 0) & (ahead <= LONGEST_STEP * usual)):
+            steps[back] = ahead
+            return np.concatenate([counted[:1], counted[0] + np.cumsum(steps)]), back + 1
+    return values, nowhere
+
+
+def spread_out(time_ns: Times, steps: Steps) -> tuple[Times, NDArray[np.int64]]:
+    """Return stamps of which none that came twice, before a step of twice the usual length, and the index of those.
+
+    Such a sample was read in time and stamped too early: it lies midway. Of a row that was written twice the next step
+    is a usual one, and its stamp stays as it is.
+    """
+    nowhere = np.empty(0, dtype=np.int64)
+    forward = steps.length > 0
+    twice = int(steps.count[steps.length == 0].sum())
+    if not twice or twice > MOST_TWICE * len(time_ns):
+        return time_ns, nowhere
+    usual = float(
+        steps.length[forward][np.searchsorted(np.cumsum(steps.count[forward]), steps.count[forward].sum() / 2)]
+    )
+    apart = np.diff(time_ns)
+    late = np.flatnonzero((apart[:-1] == 0) & (np.abs(apart[1:] - 2.0 * usual) <= MIDWAY * usual)) + 1
+    if len(late) < twice:  # others came twice for another reason
+        return time_ns, nowhere
+    found = np.array(time_ns)
+    found[late] += apart[late] // 2
+    return found, late
 
 
 def is_utc(time_ns: Times) -> bool:

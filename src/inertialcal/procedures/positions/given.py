@@ -19,7 +19,7 @@ from ...core.key import AXES, Kind
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
-from ...files.text.headers import bare_name, full_name, is_applied
+from ...files.text.headers import bare_name, full_name, heading, is_applied, plain
 from ..given import (
     EXAMPLE,
     KIND_OF_UNIT,
@@ -298,11 +298,14 @@ def _rests(given: GivenFile, sensor: str, by_axis: Mapping[str, Channel], unit: 
     """Return the columns of a table with a row a position."""
     table = given.table
     found: dict[str, Any] = {"reading": {axis: one.name for axis, one in by_axis.items()}, "unit": unit}
-    scatters = [name for name in table.names if SCATTER.search(name) and sensor in name.lower()]
-    own = {axis: [name for name in scatters if re.search(rf"(^|_){axis}(_|$)", name.lower())] for axis in AXES}
+    spread = [name for name in table.names if SCATTER.search(name) or heading(name).quantity == "spread"]
+    scatters = [name for name in spread if sensor in name.lower()]
+    scatters = scatters or [name for name in spread if table.unit(name) == unit]  # ``Stabw. X [g]``
+    own = {axis: [name for name in scatters if re.search(rf"(^|[^a-z]){axis}([^a-z]|$)", name.lower())]
+           for axis in AXES}  # fmt: skip
     scatter = {axis: names[0] for axis, names in own.items() if len(names) == 1}
     samples = [name for name in table.names if SAMPLES.match(name)]
-    lower = {name.lower(): name for name in table.names}
+    lower = {plain(name).lower(): name for name in table.names}
     label = next((lower[name] for name in lower if name in LABELS), None)
     if scatter:
         found["scatter"] = scatter

@@ -24,19 +24,23 @@ from ...core.labelled import LabelledPart
 from ...core.remarks import Remark
 from ...core.units import factor, parse_quantity
 from ...files.source import load
+from ...files.text.headers import plain
 from ...files.text.table import Table, read_table
 from .readings import Readings, turn_problems
 
 FACES = "faces"  # in place of words: each position lies on the face that is nearest
 POSITION = re.compile(
-    r"(?P<sign>[+-]?)(?P<axis>[xyz])[ _]?(?P<way>\+|-|p|a|up|down|plus|minus|pos|neg)?", re.IGNORECASE
+    r"(?P<sign>[+-]?)(?P<axis>[xyz])(?:[- _]?(?:axis|achse|axe|asse|eje))?[ _]?(?:nach |vers le |en |verso l'|hacia )?"
+    r"(?P<way>\+|-|p|a|up|down|plus|minus|pos|neg|oben|unten|auf|ab|haut|bas|alto|basso|su|giu|arriba|abajo)?",
+    re.IGNORECASE,
 )
 TURN = re.compile(r"(?P<sign>-?)(?P<axis>[xyz])[ _]?(?:rot|turn|rotation)", re.IGNORECASE)
 VECTOR = re.compile(r"(?:[-+]?[\d.]+(?:e[-+]?\d+)?\s+){2}[-+]?[\d.]+(?:e[-+]?\d+)?", re.IGNORECASE)
-DOWN = ("-", "a", "down", "minus", "neg")
+DOWN = ("-", "a", "down", "minus", "neg", "unten", "ab", "bas", "basso", "giu", "abajo")
 LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), a vector like 0 0.6 0.8, ? where it is not known"
 LIKE_JSON = '{"x_p": {"start": 540, "end": 1271}}'
-HOW_IT_LAY = ("position", "orientation", "face", "pose", "lage", "orientierung", "ausrichtung")  # names of a column
+HOW_IT_LAY: tuple[str, ...] = ("position", "orientation", "face", "pose", "lage", "orientierung", "ausrichtung")
+HOW_IT_LAY += ("posizione", "orientamento", "posicion", "orientacion")  # names of a column
 LABELS = ("section", "label", "name", "part", *HOW_IT_LAY)
 STARTS, STOPS, ANGLES = ("start", "begin", "from"), ("end", "stop", "to"), ("angle", "turn")
 LEAST = 0.5  # cosine of the angle between the direction that is named and the one that is read, misalignment and all
@@ -59,7 +63,7 @@ def direction_of(text: str) -> Array | None:
         vector = np.array([float(one) for one in text.split()])
         size = float(np.linalg.norm(vector))
         return np.asarray(vector / size) if 0.0 < size < math.inf else None
-    match = POSITION.fullmatch(text.strip())
+    match = POSITION.fullmatch(plain(text).strip())
     if match is None or (match["sign"] and match["way"]):
         return None
     down = match["sign"] == "-" or (match["way"] or "").lower() in DOWN
@@ -93,7 +97,7 @@ def orientation_list(given: str | Sequence[str]) -> list[str]:
     where = "orientations"
     if isinstance(given, str) and Path(given).is_file():
         table, where = read_table(Path(given)), given
-        lower = {name.lower(): name for name in table.names}
+        lower = {plain(name).lower(): name for name in table.names}
         label = next((lower[name] for name in lower if name in LABELS), None)
         if set(AXES) <= set(lower):
             rows = np.column_stack([table.numbers(lower[axis], required=False) for axis in AXES])

@@ -337,10 +337,14 @@ def _channels(given: GivenFile, applied: str | None) -> dict[str, str]:
 
 def following_axis(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
     """Return the axis that follows the table; empty where none clearly does."""
-    rate = _in_si(recording, applied)
+    readings = {axis: _in_si(recording, name) for axis, name in by_axis.items()}
+    return following(_in_si(recording, applied), readings)
+
+
+def following(rate: Array, readings: Mapping[str, Array]) -> str:
+    """Return the axis whose readings, shape (n,), follow the rate of the table; empty where none clearly does."""
     found: list[tuple[float, float, str]] = []
-    for axis, name in by_axis.items():
-        values = _in_si(recording, name)
+    for axis, values in readings.items():
         use = np.isfinite(rate) & np.isfinite(values)
         if use.any() and np.ptp(rate[use]) > 0.0 and np.ptp(values[use]) > 0.0:
             found.append((abs(float(np.corrcoef(rate[use], values[use])[0, 1])), float(np.std(values[use])), axis))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from ..suggestions import (
     sensor_table,
     unit_of,
 )
-from .given import following_axis, goes_in_steps
+from .given import following, following_axis, goes_in_steps
 
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 RATES = "deg/s, rad/s, rpm"
@@ -79,11 +80,17 @@ def claims(file: FolderFile) -> Claim | None:
     recording, columns = file.recording, file.columns
     if recording is None:
         taken = _is_table(file.table, columns)
-        return Claim(Strength.LIKELY, lambda: (columns, ())) if taken else None
+        return Claim(Strength.LIKELY, lambda: (_followed(file.table, columns), ())) if taken else None
     if gyros(recording) and (columns.applied or not file.at_rest):
         return Claim(Strength.POSSIBLE, lambda: (recording, ()))
     dwell = gyros(recording) or not accelerometers(recording)
     return Claim(Strength.RESERVE, lambda: (recording, ())) if dwell and file.at_rest else None
+
+
+def _followed(table: Table, rates: Guess) -> Guess:
+    """Return columns of a table with the axis whose readings follow the rate."""
+    readings = {axis: table.numbers(name, required=False) for axis, name in rates.by_axis.items()}
+    return replace(rates, follows=following(table.numbers(rates.applied or "", required=False), readings))
 
 
 def _is_table(table: Table, rates: Guess) -> bool:
@@ -103,10 +110,18 @@ def _is_table(table: Table, rates: Guess) -> bool:
 def asks(contents: Mapping[str, object]) -> list[Question]:
     """Return what the first file that does not say it leaves open: the axis that was turned, the unit of the rate."""
     asked: dict[tuple[str, str], Question] = {}
+    turned = {file: axis for file, one in contents.items() if (axis := _turned_in(one))}
+    each = len(set(turned.values())) > 1  # one answer is not right for all
     for file, one in contents.items():
-        for question in (*_asked_axis(file, one), *_asked_unit(file, one)):
+        of_axis = () if each and file in turned else _asked_axis(file, one)
+        for question in (*of_axis, *_asked_unit(file, one)):
             asked.setdefault((question.name, question.group), question)
     return list(asked.values())
+
+
+def _turned_in(one: object) -> str:
+    """Return the axis that follows the rate of the table, by its readings; empty where none clearly does."""
+    return turned_axis(one) if isinstance(one, Recording) else one.follows or "" if isinstance(one, Guess) else ""
 
 
 def _asked_axis(file: str, one: object) -> Iterator[Question]:
@@ -114,7 +129,7 @@ def _asked_axis(file: str, one: object) -> Iterator[Question]:
         follows = turned_axis(one)
         seen = f"{file}: {follows} follows the rate of the table" if follows else f"{file}: turned on a rate table"
     elif isinstance(one, Guess) and one.axis is None and len(one.by_axis) != 1:
-        follows, seen = "", f"{file}: a table of dwells"
+        follows, seen = one.follows or "", f"{file}: a table of dwells"
     else:
         return
     yield Question("axis", seen, "Axis that was turned? (x, y or z)", follows, wrong=one_of(AXES))
@@ -150,7 +165,7 @@ def draft(contents: Mapping[str, object]) -> Draft:
         recordings[f"table{number}"] = {"sensor": "suite", "file": file, "rows": _rows(one)}
         test: dict[str, object] = {"id": f"rate{number}", "procedure": "rate_table", "recordings": [f"table{number}"]}
         if one.axis is None:
-            axis = next(iter(one.by_axis)) if len(one.by_axis) == 1 else "x"
+            axis = next(iter(one.by_axis)) if len(one.by_axis) == 1 else one.follows or "?"
             test["plan"] = fill_in({"axis": axis})
         tests.append(test)
     standard = Noted({"rate": {"u": "0.05 %", "certificate": "..."}, "mounting": {"u": "0.1 deg"}}, example=True)

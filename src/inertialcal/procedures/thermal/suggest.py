@@ -11,6 +11,7 @@ from ...core.recording import Channel, Recording
 from ...core.units import kind
 from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey
+from ...files.text.headers import is_set_point
 from ..given import KIND_OF_UNIT
 from ..suggestions import (
     Claim,
@@ -30,7 +31,10 @@ REQUIREMENT = {"quantity": "bias", "limit": "0.5 deg/s", "where": "temperature >
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``thermal`` where sensors were read while their temperature was made to change."""
-    return Suggestion(("thermal",), Strength.LIKELY) if _is_warmed(recording) else None
+    if not _is_warmed(recording):
+        return None
+    clear = not isinstance(_temperatures(recording).get("temperature"), Noted)
+    return Suggestion(("thermal",), Strength.LIKELY, options="" if clear else "--column temperature=COLUMN")
 
 
 def claims(file: FolderFile) -> Claim | None:
@@ -81,6 +85,7 @@ def draft(contents: Mapping[str, object]) -> Draft:
 def _temperatures(recording: Recording) -> dict[str, object]:
     """Return the channel of the temperature, or one each; what is not clear is marked."""
     warm = [one for one in recording.channels if one.unit and kind(one.unit) == "temperature"]
+    warm = [one for one in warm if not is_set_point(one.name)] or warm
     if len(warm) == 1:
         return {"temperature": {"column": warm[0].name, "unit": warm[0].unit}}
     by_axis: dict[str, object] = {f"temperature_{one.axis}": {"column": one.name, "unit": one.unit}

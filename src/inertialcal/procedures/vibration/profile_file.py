@@ -32,6 +32,7 @@ from ...core.show.rounding import number
 from ...core.units import Quantity, parse_quantity, same_dimension
 from ...files.source import load
 from ...files.text.headers import bare_name, in_brackets
+from ...files.text.headers import plain as unmarked
 from ...files.text.layout import decode
 from ...files.text.table import Table, read_table, topics_of
 from ...signals.vibration.profile import Profile, decibels, octaves
@@ -44,7 +45,10 @@ MOST = 1000  # nodes
 SEGMENT = re.compile(r"\s*([0-9.eE+]+)\s*(?:-|\N{EN DASH}|to|\.\.+)\s*([0-9.eE+]+)\s*(?:[kK]?[hH][zZ])?\s*")
 WORDS = {"frequency": "frequency", "freq": "frequency", "f": "frequency", "density": "density", "asd": "density",
          "psd": "density", "level": "density", "slope": "slope", "hz": "frequency",
-         "amplitude": "density", "magnitude": "density", "g2": "density"}  # fmt: skip
+         "amplitude": "density", "magnitude": "density", "g2": "density",
+         **dict.fromkeys(("frequenz", "frequence", "frequenza", "frecuencia"), "frequency"),
+         **dict.fromkeys(("dsp", "leistungsdichte", "densite", "densita", "densidad", "pegel", "niveau"), "density"),
+         **dict.fromkeys(("steigung", "pente", "pendenza", "pendiente"), "slope")}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -331,7 +335,7 @@ def _of_table(table: Table) -> Parsed:
     """Return what the rows of a table state."""
     columns: dict[str, int] = {}
     for place, name in enumerate(table.names):
-        word = WORDS.get(re.split(r"[^a-z0-9]", (bare_name(name) or name).strip().lower())[0])
+        word = WORDS.get(re.split(r"[^a-z0-9]", unmarked(bare_name(name) or name).strip().lower())[0])
         if word is not None:
             columns.setdefault(word, place)
     lacking = [word for word in ("frequency", "density") if word not in columns]
@@ -345,6 +349,7 @@ def _of_table(table: Table) -> Parsed:
     slopes: list[float | None] = []
     for row in range(len(table)):
         cells = {word: table.cells[place][row].strip() for word, place in columns.items()}
+        cells = {word: cell.replace(",", ".") for word, cell in cells.items()} if table.decimal == "," else cells
         where = table.where(row)
         level, slope = (_number(cells.get(name, ""), where, name) for name in ("density", "slope"))
         level = None if level is None else unit.density(level)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -59,7 +60,7 @@ class Shaken:
     @property
     def options(self) -> str:
         """What a command has to be told of the control."""
-        return "" if self.named else f"--control {bare_name(self.controls[0])}"
+        return "" if self.named else f"--control {shlex.quote(bare_name(self.controls[0]))}"
 
 
 def shaken(recording: Recording) -> Shaken | None:
