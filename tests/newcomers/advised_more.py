@@ -901,6 +901,12 @@ SHAKEN = (
         "acceleration_rms control 1.3416",
     ),
     Case(
+        "--column temperature=COLUMN",
+        "text info two_probes.csv",
+        "thermal two_probes.csv --column temperature=probe",
+        "bias x 0.353",
+    ),
+    Case(
         "--control {}",
         "text info swept.csv",
         "vibration survey swept.csv --control table",

@@ -198,6 +198,8 @@ def _chamber(texts: dict[str, str]) -> dict[str, str]:
         "chamber_bare.csv": _head(plain, *bare),
         "abc.csv": _head(plain, *((one, name) for (one, _), name in zip(bare, "abc", strict=True))),
         "chamber_no_name.csv": _head(plain, ("temperature [degC]", "probe [degC]")),
+        "two_probes.csv": "\n".join(f"{row},{row.rpartition(',')[2]}".replace("degC],temperature [", "degC],probe [")
+                                    for row in plain.splitlines()) + "\n",
         "chamber_no_unit.csv": _head(plain, ("temperature [degC]", "probe")),
         "too_fast.csv": "\n".join([plain.split("\n", 1)[0], *map(",".join, fast)]) + "\n",
         "supplied.csv": "\n".join([_columns(plain, slice(0, 4)).split("\n", 1)[0] + ",supply [V]",

@@ -34,6 +34,7 @@ PATTERNS = {
 RATE = r"(^|_)(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it names no axis beside columns that do
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 RAW = ("voltage", "count")  # kinds of unit
+NO_RATE = (*RAW, "temperature", "pressure", "acceleration", "time")  # what no table says its rate in
 READING = (
     r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist((dreh)?rate|wert)?|messwert|mittelwert|ausgang"
     r"|mesure|moyenne|sortie|misura(ta|to)?|media|uscita|lettura|medida|lectura|salida)(_|$)"
@@ -67,7 +68,7 @@ def guess(table: Table) -> Guess:
     spreads = [name for name in names if _matches(name, PATTERNS["scatter"])]
     means = [name for name in names if name not in spreads]
     kinds = {name: kind(unit) for name in names if (unit := table.unit(name))}
-    inputs = [name for name in means if kinds.get(name) not in RAW]  # no table says its rate in volts
+    inputs = [name for name in means if kinds.get(name) not in NO_RATE]
     found = {what: _only(inputs if what == "applied" else means, pattern) for what, pattern in PATTERNS.items()}
     found["scatter"] = spreads[0] if len(spreads) == 1 else None
     taken = {*found.values(), *spreads}
