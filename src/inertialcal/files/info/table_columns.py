@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.recording import Channel
 from ...core.units import kind
-from ..text.headers import plain
+from ..text.headers import about_axis, plain
 from ..text.table import Table
 
 PATTERNS = {
@@ -68,22 +68,22 @@ def guess(table: Table) -> Guess:
     spreads = [name for name in names if _matches(name, PATTERNS["scatter"])]
     means = [name for name in names if name not in spreads]
     kinds = {name: kind(unit) for name in names if (unit := table.unit(name))}
-    inputs = [name for name in means if kinds.get(name) not in NO_RATE]
+    inputs = [name for name in means if kinds.get(name) not in NO_RATE and not about_axis(name)]
     found = {what: _only(inputs if what == "applied" else means, pattern) for what, pattern in PATTERNS.items()}
     found["scatter"] = spreads[0] if len(spreads) == 1 else None
     taken = {*found.values(), *spreads}
     rest = [name for name in names if name not in taken and not _matches(name, OTHER)]
-    readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if AXIS.search(_key(name))]
+    readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if _axis(name)]
     if not readings and len(rest) == 1 and found["applied"] is not None:  # nothing else is left
         is_rate = kinds.get(found["applied"]) == "angular_rate"
         readings = rest if is_rate and kinds.get(rest[0]) in RAW else []
-    by_axis = {match[2].lower(): name for name in readings if (match := AXIS.search(_key(name)))}
+    by_axis = {axis: name for name in readings if (axis := _axis(name))}
     if found["applied"] is None and by_axis:
         found["applied"] = _only([name for name in means if name not in readings], RATE)
     unit = _common_unit(table, [name for name in (found["applied"], *readings) if name])
     if len(by_axis) != len(readings):
         by_axis = {}
-    by_sensor = {match[2].lower(): name for name in spreads if (match := AXIS.search(_key(name)))}
+    by_sensor = {axis: name for name in spreads if (axis := _axis(name))}
     by_sensor = by_sensor if set(by_sensor) == set(by_axis) and len(by_sensor) == len(spreads) else {}
     own = [_common_unit(table, [name for name in names if name]) for names in ([found["applied"]], readings)]
     return Guess(
@@ -105,6 +105,12 @@ def names_rates(names: Iterable[str]) -> bool:
 
 def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", plain(name).lower())
+
+
+def _axis(name: str) -> str:
+    """Return the axis that a name says by its letter, or by roll, pitch and yaw; else ``""``."""
+    match = AXIS.search(_key(name))
+    return match[2].lower() if match else about_axis(name)
 
 
 def _matches(name: str, pattern: str) -> bool:

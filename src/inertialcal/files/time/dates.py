@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Times
 from ..info.describe import Described
+from ..text.headers import plain
 
 ORDERS = ("day-first", "month-first")
 _CLOCK = (
     r"(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2})(?::(?P<second>[0-9]{2})(?:[.,:](?P<fraction>[0-9]{1,9}))?)?"
     r"(?:\s*(?P<half>[AP])\.?M\.?)?"
 )
-CLOCK = re.compile(_CLOCK, re.IGNORECASE)
+CLOCK = re.compile(rf"(?:(?P<days>[0-9]{{1,6}}) days? )?{_CLOCK}", re.IGNORECASE)
 DATE = re.compile(
     rf"(?P<a>[0-9]{{1,4}})(?P<sign>[./-])(?P<b>[0-9]{{1,2}})(?P=sign)(?P<c>[0-9]{{2}}|[0-9]{{4}})"
     rf"(?:[T ,;]\s*{_CLOCK}\s*(?P<zone>Z|UTC|[+-][0-9]{{2}}:?[0-9]{{2}})?)?",
@@ -34,6 +35,16 @@ DATE = re.compile(
 DAY_OF_YEAR = re.compile(  # as those of spacecraft: ``2014/295/09:36:36``, ``2014-295T09:36:36``
     rf"(?P<year>[0-9]{{4}})[/:-](?P<day>[0-9]{{3}})[/:T \-]{_CLOCK}\s*(?P<zone>Z|UTC)?", re.IGNORECASE
 )
+WITH_MONTH = re.compile(  # ``12-Mar-2026 07:40:34``, ``3. M\N{LATIN SMALL LETTER A WITH DIAERESIS}rz 2026``
+    r"(?P<day>[0-9]{1,2})\.?[ /-]?(?P<month>[^\W\d_]{3,10})\.?[ /-]?(?P<year>[0-9]{4})"
+    rf"(?:[T ,;]\s*{_CLOCK}\s*(?P<zone>Z|UTC|[+-][0-9]{{2}}:?[0-9]{{2}})?)?",
+    re.IGNORECASE,
+)
+NAMED = {  # months as English, German, French, Italian and Spanish call them: as many letters as tell them apart
+    1: ("jan", "ene", "gen"), 2: ("feb", "fev"), 3: ("mar", "mrz"), 4: ("apr", "avr", "abr"), 5: ("may", "mai", "mag"),
+    6: ("jun", "juin", "giu"), 7: ("jul", "juil", "lug"), 8: ("aug", "aou", "ago"), 9: ("sep", "set"),
+    10: ("oct", "okt", "ott"), 11: ("nov",), 12: ("dec", "dez", "dic"),
+}  # fmt: skip
 ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}.*")  # read as it is
 YEAR = 4  # digits
 MONTHS, CENTURY, HALF_DAY, DAY = 12, 2000, 12, 86_400
@@ -49,6 +60,8 @@ def check_dates(order: str | None) -> str | None:
 def looks_dated(cells: Sequence[str] | NDArray[Any]) -> bool:
     """Whether the first and the last cell are dates in the order of a spreadsheet."""
     ends = [str(cell) for cell in (cells[0], cells[-1])] if len(cells) else [""]
+    if all(_month_of(cell) for cell in ends):
+        return True
     return all(DAY_OF_YEAR.fullmatch(cell) or (DATE.fullmatch(cell) and not ISO_DATE.fullmatch(cell)) for cell in ends)
 
 
@@ -72,6 +85,8 @@ def as_iso(cells: NDArray[Any], order: str | None, name: str, where: str) -> NDA
     DataError
         ``ambiguous_date`` where day and month cannot be told apart.
     """
+    if len(cells) and _month_of(str(cells[0])):
+        return np.array([_of_month(str(cell)) for cell in cells], dtype=object)
     if len(cells) and DAY_OF_YEAR.fullmatch(str(cells[0])):
         return np.array([_of_day(str(cell)) for cell in cells], dtype=object)
     found = [DATE.fullmatch(str(cell)) for cell in cells]
@@ -87,6 +102,9 @@ def since_midnight(cells: NDArray[Any]) -> tuple[Times, NDArray[np.int64]]:
     found = [CLOCK.fullmatch(str(cell)) for cell in cells]
     bad = np.array([i for i, one in enumerate(found) if one is None], dtype=np.int64)
     times = np.array([0 if one is None else _nanoseconds(one) for one in found], dtype=np.int64)
+    if any(one is not None and one["days"] for one in found):  # elapsed, as pandas writes it
+        days = [0 if one is None else int(one["days"] or 0) for one in found]
+        return times + np.array(days, dtype=np.int64) * DAY * SECOND, bad
     night = np.concatenate([[0], np.cumsum(np.diff(times) < -DAY * SECOND // 2)]) if len(times) else times
     return times + night * DAY * SECOND, bad
 
@@ -130,6 +148,22 @@ def _iso(found: re.Match[str], order: str) -> str:
         return found.string
     ns = _nanoseconds(found) if found["hour"] else 0
     return f"{year}-{int(month):02d}-{int(day):02d}T{_clock(ns)}{found['zone'] or ''}"
+
+
+def _month_of(cell: str) -> int:
+    """Return the number of the month that a date calls by its name; 0 where it is no such date."""
+    found = WITH_MONTH.fullmatch(cell)
+    name = "" if found is None else plain(found["month"]).lower()
+    return next((number for number, known in NAMED.items() if name.startswith(known)), 0)
+
+
+def _of_month(cell: str) -> str:
+    """Return an instant whose month has its name as ISO 8601 text; as it is where it is none."""
+    month, found = _month_of(cell), WITH_MONTH.fullmatch(cell)
+    if not month or found is None:
+        return cell
+    clock = _clock(_nanoseconds(found)) if found["hour"] else "00:00:00"
+    return f"{found['year']}-{month:02d}-{int(found['day']):02d}T{clock}{found['zone'] or ''}"
 
 
 def _of_day(cell: str) -> str:

@@ -85,6 +85,11 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         what = f"{given.name}: positions are those of a table of means: this is a recording"
         raise UsageError(what, do=f"Add: {_windows_text(given)}", code="wrong_value")
     recording, frame = read_head(given)
+    if recording.stamps is None:
+        why = "windows are found on a clock"
+        do = "Give the sample rate, or name the time column. A table of means has a row an axis and position: axis, "
+        do += "position, mean [ug]"
+        raise UsageError(f"{given.name}: no time", "", why, do, "no_time")
     base = described_channels(given, spec)
     channels = base.entry["channels"] | _other_channels(recording, base.entry["channels"])
     head = head_recording(recording, channels)
