@@ -205,7 +205,12 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     waves = tuple(_waves(records, axis))
     ahead = records[0].ahead if len(readings.records) == 1 and not waves else None
     found = fit_records(plan, records, axis, waves) if ahead is None else ahead
-    records = [replace(one, looked=own.looked, run=own.run) for one, own in zip(found.records, records, strict=True)]
+    if ahead is not None:  # not yet looked through then
+        records = [
+            replace(one, looked=own.looked, run=own.run) for one, own in zip(ahead.records, records, strict=True)
+        ]
+    else:
+        records = [*found.records]
     remarks += found.bands.remarks
     several = len(readings.records) > 1
     own_lines = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
@@ -389,7 +394,8 @@ def _analysed(plan: Plan, run: Run, axis: str, looked: Looked | None, rates: Arr
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
     found = spectral(plan, _spectrum(plan, rates, run.interval), curve, axis, resolution_of_rates(run, axis))
-    return Recorded(run, looked, curve, chosen, replace(found, remarks=(*remarks, *found.remarks)))
+    found = replace(found, remarks=(*remarks, *found.remarks)) if remarks else found
+    return Recorded(run, looked, curve, chosen, found)
 
 
 def _spectrum(plan: Plan, rates: Array, interval: float) -> Spectrum | DataError:
@@ -591,6 +597,8 @@ def resolution_of_rates(run: Run, axis: str) -> Resolution:
 
 def _meaningful(lines: Lines, spectrum: Spectrum, resolution: Resolution) -> Lines:
     """Return the lines that the numbers of a record can carry."""
+    if not len(lines):
+        return lines
     at = [int(np.argmin(np.abs(spectrum.frequency - line.frequency))) for line in lines.found]
     around = [float(spectrum.density[i, 0]) / line.ratio for i, line in zip(at, lines.found, strict=True)]
     hidden = resolution.hides([line.amplitude for line in lines.found], around, spectrum.interval)

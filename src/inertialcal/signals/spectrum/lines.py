@@ -147,10 +147,12 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
         if len(known):
             tested = (min(tested[0], float(known[0])), max(tested[1], float(known[-1])))
         runs = [one for one in _runs(at, spectrum.lobe) if _above_both_sides(spectrum, axis, at, one, false_alarm)]
-        at = np.isin(np.arange(len(at)), [i for a, b in runs for i in range(a, b)]) & at
+        standing = np.zeros(len(at), dtype=bool)
+        for a, b in runs:
+            standing[a:b] = at[a:b]
         here = [_measured(spectrum, axis, level, a, b) for a, b in runs]
         found += _named(here, spectrum.spacing)
-        marked[:, axis] = _widened(at, spectrum.lobe)
+        marked[:, axis] = _widened(standing, spectrum.lobe)
     low, high = tested if tested[1] > 0.0 else (np.nan, np.nan)
     return Lines(tuple(found), marked, false_alarm, (low, high))
 

@@ -423,7 +423,7 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
     if name == GAUSS_MARKOV:
         best = estimate(problem, (*present(fitted), GAUSS_MARKOV))  # where it hides best, else the middle
         middle = 0.5 * (len(problem.table) - 1.0)
-        fitted = replace(fitted, position=best.position if best.powers[-1] > 0.0 else middle)
+        fitted = Fitted(fitted.powers, best.position if best.powers[-1] > 0.0 else middle, fitted.cost)
         alone = tuple(one for one in chosen.terms if one in FAST)
         if rival is None and alone != chosen.terms:  # in place of what wanders
             instead = estimate(problem, (*alone, GAUSS_MARKOV))

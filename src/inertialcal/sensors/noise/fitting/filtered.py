@@ -284,8 +284,8 @@ class Search:
     @staticmethod
     def together(records: Sequence[Search]) -> bool:
         """Return whether records of one sensor show a filter."""
-        corner = float(np.median([one.corner for one in records]))
-        return sum(one.gain for one in records) >= CLEAR and corner >= SLOWEST
+        clear = sum(one.gain for one in records) >= CLEAR
+        return clear and float(np.median([one.corner for one in records])) >= SLOWEST
 
     def unseen(self) -> Band | None:
         """Return the band of a low pass that may be there where none is found; None where its best size is zero."""

@@ -112,10 +112,10 @@ def _design(problem: Problem, wanted: tuple[str, ...]) -> tuple[list[int], Array
     """Return places of the terms, and their columns, not to be changed; Gauss-Markov noise last, its column empty."""
     first = len(problem.names) - len(problem.lines)
     at = [i for i, name in enumerate(problem.names) if name in wanted or i >= first]
-    D = problem.columns[:, at]
-    if GAUSS_MARKOV in wanted:
-        return [*at, len(problem.names)], np.column_stack([D, np.zeros(len(D))])
-    return at, np.ascontiguousarray(D)
+    every = [*at, len(problem.names)] if GAUSS_MARKOV in wanted else at
+    D = np.zeros((len(problem.columns), len(every)))
+    D[:, : len(at)] = problem.columns[:, at]
+    return every, D
 
 
 def column_at(problem: Problem, position: float) -> Array:

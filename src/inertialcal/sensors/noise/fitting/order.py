@@ -28,6 +28,7 @@ from .problem import GAUSS_MARKOV, LINEAR, Problem
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom
 PLAUSIBLE = 2.0 * PRICE  # worse by less than this, a choice may well be the true one
 NEARER = PRICE - 2.0  # the same with one of `SUPPLE`
+ALIKE = 1e-6  # relative difference of what terms give that look alike
 RAMP_COUNTS = 1  # unknowns that a ramp counts beyond its own
 
 NAMES = tuple(term.name for term in LINEAR)
@@ -116,6 +117,7 @@ def separable(problem: Problem, candidates: tuple[str, ...]) -> tuple[str, ...]:
     if any(run.band is not None for run in problem.runs):
         return tuple(name for name in candidates if name != Quantization.name) or candidates
     rounding, white = (problem.columns[:, NAMES.index(term.name)] for term in (Quantization, RandomWalk))
-    alike = np.allclose(rounding / rounding[0], white / white[0], rtol=1e-6, atol=0.0)
+    share = white / white[0]
+    alike = bool((np.abs(rounding / rounding[0] - share) <= ALIKE * share).all())
     both = {Quantization.name, RandomWalk.name} <= set(candidates)
     return tuple(name for name in candidates if not (alike and both and name == Quantization.name))

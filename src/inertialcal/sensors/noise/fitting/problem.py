@@ -272,24 +272,24 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
         )
     given = unit_of(curve)
     scale = factor(given, unit) if given and unit else 1.0
-    variance = (scale * _column(np.asarray(curve.deviation, dtype=float), axis)) ** 2
+    variance = (scale * _column(curve.deviation, axis)) ** 2
     averaging = getattr(curve, "averaging", None)
     inflation = np.ones(len(variance))
     raised = getattr(curve, "inflation", None)
     if raised is not None:  # of white noise by missing samples, divided out where the noise seems white
-        inflation = _column(np.asarray(raised, dtype=float), axis)
-        power = _column(np.asarray(getattr(curve, "power", inflation), dtype=float), axis)
+        inflation = _column(raised, axis)
+        power = _column(getattr(curve, "power", inflation), axis)
         variance = np.where(power >= 0.0, variance * inflation, variance)
     ends = getattr(curve, "ends", None)
     run = Run(
         np.asarray(curve.m, dtype=float),
         variance,
-        _column(np.asarray(curve.n, dtype=float), axis),
-        _column(np.asarray(curve.edf, dtype=float), axis),
+        _column(curve.n, axis),
+        _column(curve.edf, axis),
         float(curve.interval),
         float(curve.interval if averaging is None else averaging),
         inflation,
-        None if ends is None else _column(np.asarray(ends, dtype=float), axis),
+        None if ends is None else _column(ends, axis),
     )
     return _usable(run)
 
@@ -320,20 +320,22 @@ def inside(run: Run, band: Band) -> Run:
     )  # fmt: skip
 
 
-def _column(values: Array, axis: int | None) -> Array:
+def _column(given: Numbers, axis: int | None) -> Array:
+    values = np.asarray(given, dtype=np.float64)
     if values.ndim == 1:
         return values
     if axis is None and values.shape[1] != 1:
         raise DataError(f"a curve of {values.shape[1]} axes", do="Say which: axis=0, 1, ...", code="axis")
     if axis is not None and not 0 <= axis < values.shape[1]:
         raise DataError(f"axis {axis} of a curve of {values.shape[1]}", do="The first is axis=0", code="axis")
-    return np.asarray(values[:, axis or 0])
+    own: Array = values[:, axis or 0]
+    return own
 
 
 def _usable(run: Run) -> Run:
     """Keep octaves with something in them."""
     there = run.variance[np.isfinite(run.variance)]
-    if len(there) and not np.any(there > 0.0):
+    if len(there) and not (there > 0.0).any():
         raise DataError(
             "the Allan deviation is zero throughout",
             why="a constant channel has no noise",
@@ -342,9 +344,10 @@ def _usable(run: Run) -> Run:
         )
     good = np.isfinite(run.variance) & (run.variance > 0.0) & (run.edf >= LEAST_EDF) & (run.n >= 1.0)
     kept: list[int] = []
-    for i in np.flatnonzero(good):
-        if not kept or run.m[i] >= SPACING * run.m[kept[-1]]:
-            kept.append(int(i))
+    m = run.m.tolist()
+    for i in good.nonzero()[0].tolist():
+        if not kept or m[i] >= SPACING * m[kept[-1]]:
+            kept.append(i)
     if len(kept) < LEAST_POINTS:
         raise DataError(
             f"{len(kept)} averaging time(s) with {LEAST_EDF:g} or more degrees of freedom, need {LEAST_POINTS}",
