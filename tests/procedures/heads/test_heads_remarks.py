@@ -146,6 +146,19 @@ def test_one_file_for_two_heads_is_refused(tmp_path: Path) -> None:
     assert caught.value.problems[0].code == "duplicate_recording"
 
 
+def test_an_axis_that_is_stuck_is_refused_by_its_head(tmp_path: Path) -> None:
+    """Before, its samples counted as missing, and the first head was said to read nothing."""
+    one = drawn(on_line())
+    (tmp_path / "body.toml").write_text(one.toml(biases=True), encoding="utf-8", newline="\n")
+    last = list(one.read)[-1]
+    one.read[last][:, 1] = one.read[last][0, 1]
+    with pytest.raises(InertialcalError) as caught:
+        ic.heads(one.write(tmp_path), body=str(tmp_path / "body.toml"))
+    (problem,) = caught.value.problems
+    assert problem.code == "not_one_body"
+    assert problem.what == f"{last}: y reads nothing that changes"
+
+
 def test_a_record_that_is_too_short_is_refused() -> None:
     one = made(replace(on_line(), seconds=30.0), np.random.default_rng(1))
     with pytest.raises(DataError) as caught:

@@ -223,6 +223,21 @@ def test_axes_that_do_not_belong_together_are_named(matrix: Array, said: str) ->
     assert said in text
 
 
+def test_a_magnetometer_with_all_axes_turned_round_is_refused() -> None:
+    """Angles between two readings are the same: what an attitude cannot bring about shows it."""
+    code, text = refusal(recorded(np.random.default_rng(2), seconds=2100.0, magnetometer=-np.eye(3)))
+    assert code == "axes_disagree"
+    assert "all its axes turned round" in text
+
+
+def test_gaps_are_named_where_they_leave_too_few_arcs() -> None:
+    made = recorded(np.random.default_rng(2), seconds=2100.0)
+    made.rates[::100] = np.nan
+    code, text = refusal(made)
+    assert code == "too_short"
+    assert "gap" in text
+
+
 def test_a_dead_axis_is_refused() -> None:
     made = recorded(np.random.default_rng(15), seconds=2100.0)
     made.rates[:, 1] = 0.0

@@ -291,8 +291,30 @@ def test_no_response_gives_no_scale_factor() -> None:
     assert "below_floor" in codes(result)
 
 
+@pytest.mark.parametrize("seed", range(1, 5))  # whole steps led three of these to any angle and scale factor
+def test_a_recoil_beside_a_response_too_weak_to_see_is_no_wrong_sense(seed: int) -> None:
+    """The best fit is found: the runs agree, as they do, and nothing is refused."""
+    weak = Bench(scale_factor=-1.1e6, mass=2.4, radius=0.45, satellite=400.0, noise=0.06, whole=False)
+    plan = replace(PLAN, mass=2.4, radius=0.45, satellite=400.0)
+    result = found(seed, weak, plan)
+    assert result.joined.p_value > 1e-3
+    assert result.estimate is None
+
+
+@pytest.mark.parametrize("off", [80.0, -100.0])
+def test_an_angle_that_leaves_the_sign_to_chance_is_refused(off: float) -> None:
+    """Angles counted from the vertical though the input axis lies along the track, a begin an hour off."""
+    runs = [replace(one, angle=one.angle + math.radians(off)) for one in runs_of(1)]
+    code, what = refusal(runs)
+    assert code == "wrong_angle"
+    assert "half a turn" in what
+
+
 def test_the_opposite_sign_is_named() -> None:
-    assert "wrong_sign" in codes(found(1, replace(REAL, scale_factor=-1.04e6)))
+    negative = replace(REAL, scale_factor=-1.04e6)
+    assert "wrong_sign" in codes(found(1, negative))
+    assert "wrong_sign" not in codes(found(1, negative, replace(PLAN, nominal=-1.04e6)))
+    assert "wrong_sign" in codes(found(1, plan=replace(PLAN, nominal=-1.04e6)))
 
 
 def test_gaps_cost_little() -> None:

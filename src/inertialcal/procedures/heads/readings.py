@@ -69,7 +69,7 @@ def readings_from(sources: Sequence[Source]) -> Readings:
     ------
     DataError
         ``too_few_heads``, ``not_calibrated``, ``nothing_to_calibrate``, ``no_head``, ``head_twice``, ``bodies_differ``,
-        ``no_axes``, ``no_time``, ``clocks_differ``, ``copied_recording``.
+        ``no_axes``, ``not_one_body``, ``no_time``, ``clocks_differ``, ``copied_recording``.
     """
     remarks: list[Remark] = []
     body: Body | None = None
@@ -121,7 +121,14 @@ def _track(source: Source, recording: Recording, mounted: Mounted, first: int) -
     seconds = (recording.time_ns - first) / SECOND
     times = seconds - (mounted.clock or 0.0) - mounted.clock_rate * (seconds - seconds[0])
     interval = float(recording.sample_interval or np.median(np.diff(times)))
-    return Track(times, recording.array(AXES), interval, mounted, source.name, source.file)
+    values = recording.array(AXES)
+    for axis, one in zip(AXES, values.T, strict=True):
+        there = one[np.isfinite(one)]
+        if not len(there) or np.ptp(there) == 0.0:
+            what = f"{source.name}: {axis} reads nothing that changes"
+            do = "Leave it out, or check the columns"
+            raise DataError(what, source.file, "a body moves in three axes", do, "not_one_body")
+    return Track(times, values, interval, mounted, source.name, source.file)
 
 
 def _check_clocks(read: Sequence[tuple[Source, Recording, Mounted | None]]) -> None:

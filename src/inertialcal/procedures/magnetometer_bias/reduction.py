@@ -40,7 +40,7 @@ from ...core.key import AXES, Key, Origin, Reason
 from ...core.remarks import Remark
 from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
-from ...core.show.rounding import number, uncertainty
+from ...core.show.rounding import items, number, uncertainty
 from ...core.show.tables import Block, html, text
 from ...core.unknowns import joined
 from ...statistics.intervals import t_interval
@@ -57,6 +57,7 @@ SURE = 5.0  # standard uncertainties, from which a departure is told
 RISK = 1e-3  # of a remark without cause
 WEAK = 10.0  # largest over smallest uncertainty of the bias, by direction
 OTHER_AXES = 0.3  # of what is left with the axes as named, that is left with others
+OTHER_SENSE = 0.8  # of what is left, that is left with the magnetometer turned round
 LIKELY = 3.0  # times what noise leaves of pairs, that a rigid body leaves at most
 LAGS = (15.0, 60.0)  # of pairs, by which other axes are tried [s]
 MEDIAN = 1.538  # of the length of a vector of three normal numbers
@@ -185,8 +186,12 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         length = sum(one.length for one in arcs)
         what = f"{len(arcs)} arcs of {number(plan.arc, 4)} s without a gap of the gyro ({number(length, 4)} s), need "
         what += f"{FEWEST}"
-        raise DataError(what, readings.tracks[0].file, "the uncertainty rests on their scatter",
-                        "Record longer, or give a shorter --arc", "too_short")  # fmt: skip
+        gaps = sum(int(np.count_nonzero(np.diff(one.times) > APART * one.interval)) for one in tracks)
+        do = "Record longer, or give a shorter --arc"
+        if gaps:
+            do = f"There are {items(gaps, 'gap')}: close them from the log, {do[0].lower()}{do[1:]}"
+        why = "the uncertainty rests on their scatter"
+        raise DataError(what, readings.tracks[0].file, why, do, "too_short")
     offset = by_magnitude(*_all(arcs))
     noise = Noise(_field_noise(arcs, offset), _walk(tracks))
     bias = best_start(arcs, offset)
@@ -194,6 +199,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     arcs, found, left = _robust(arcs, np.concatenate([bias, offset]), noise, plan.magnetometer_model == "scale_factor")
     remarks += left
     _check_fit(arcs, found, readings.tracks[0].file)
+    _check_sense(arcs, found, noise, readings.tracks[0].file)
     residual = float(np.sqrt(np.mean(np.concatenate([_magnitudes(one, found) for one in arcs]) ** 2)))
     result = Result(plan, readings, found, tuple(arcs), noise, residual, ())
     return replace(result, remarks=(*remarks, *_remarks(result)))
@@ -385,10 +391,29 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
         what = f"the magnitude of the field differs from its model by {number(rest * 1e9, 3)} nT (rms)"
         do = "Check clock and position, the unit of the magnetometer, and its scale factors"
         raise DataError(what, file, do=do, code="no_fit")
-    if float(np.sqrt(np.mean(np.concatenate([one.left for one in found.equations]) ** 2))) > FAR * size:
+    if _left(found) > FAR * size:
         what = "gyro and magnetometer do not turn together as one body"
         do = "Check axes, units and clocks of both, and of the position"
         raise DataError(what, file, do=do, code="no_fit")
+
+
+def _check_sense(arcs: Sequence[Arc], found: Solution, noise: Noise, file: str) -> None:
+    """Refuse a magnetometer of which all axes have the other sign: angles between readings do not show that."""
+    turned_round = [replace(one, field=-one.field) for one in arcs]
+    start = np.concatenate([found.values[:3], -found.values[3:6]])
+    other = solved(turned_round, start, noise, len(found.values) > 6)
+    if _left(other) < OTHER_SENSE * _left(found):
+        what = (
+            f"the magnetometer leaves {number(_left(found) * 1e9, 3)} nT (rms) of the field along the orbit, and with"
+        )
+        what += f" all its axes turned round {number(_left(other) * 1e9, 3)} nT"
+        do = "Turn the signs of all its columns: it says where the field comes from, or was mounted otherwise"
+        raise DataError(what, file, do=do, code="axes_disagree")
+
+
+def _left(found: Solution) -> float:
+    """Return the rms of what readings leave [T]."""
+    return float(np.sqrt(np.mean(np.concatenate([one.left for one in found.equations]) ** 2)))
 
 
 def _stated(changes: Array, plan: Plan, found: Collection[str]) -> Iterator[Component]:

@@ -40,7 +40,8 @@ PARAMETERS = ("scale_factor", "recoil_arm", "along", "across", "zero", "directio
 S, ARM, ALONG, ACROSS, ZERO, DIRECTION = range(6)
 STEPS = np.array([1e-6, 1e-6, 1e-5, 1e-5, 1e-5, 1e-5])  # of differences; of S and arm relative
 LEAST = 1e-9  # size of scale factor and arm for their steps
-ROUNDS, CLOSE = 30, 1e-6  # of a standard uncertainty
+ROUNDS, CLOSE = 60, 1e-6  # of a standard uncertainty
+HALVES = 12  # of a step that leads away
 FARTHEST = 0.5  # offset over radius that is tried
 DISAGREE = 1e-3  # chance from which causes are looked for
 AGREES = 1e-2  # chance from which a cause explains the runs
@@ -133,21 +134,36 @@ def join(responses: Sequence[Response], orbit: Orbit) -> Joined:
     beforehand[DIRECTION] = 0.0
     if not any(len(one.harmonics) > 1 for one in responses):
         known[ALONG] = known[ACROSS] = 1e4  # nothing shows them: an offset of 1 % or less of the radius is taken
+
+    def left(theta: Array) -> tuple[list[Array], float]:
+        """Return what parameters leave of each run, and its squares with those of what is known beforehand."""
+        rest = [one.values - own for one, own in zip(responses, model(theta, responses, orbit), strict=True)]
+        squares = sum(float(r @ v @ r) for r, v in zip(rest, weights, strict=True))
+        return rest, squares + float(known @ (beforehand - theta) ** 2)
+
+    rest, squares = left(theta)
     jacobians: list[Array] = []
     for _ in range(ROUNDS):
         jacobians = _jacobians(theta, responses, orbit)
-        rest = [one.values - own for one, own in zip(responses, model(theta, responses, orbit), strict=True)]
         normal = np.diag(known) + sum(j.T @ v @ j for j, v in zip(jacobians, weights, strict=True))
         down = known * (beforehand - theta) + sum(
             j.T @ v @ r for j, v, r in zip(jacobians, weights, rest, strict=True)
         )  # fmt: skip
         size = np.sqrt(np.diag(normal))
         step = np.linalg.lstsq(normal / np.outer(size, size), down / size, rcond=1e-12)[0] / size
-        theta = theta + step
-        theta[[ALONG, ACROSS]] = np.clip(theta[[ALONG, ACROSS]], -FARTHEST, FARTHEST)
-        theta[DIRECTION] = np.clip(theta[DIRECTION], -1.0, 1.0)
         if np.all(np.abs(step) * size < CLOSE):
             break
+        for _ in range(HALVES):  # a weak response is no line: a whole step may lead away
+            tried = theta + step
+            tried[[ALONG, ACROSS]] = np.clip(tried[[ALONG, ACROSS]], -FARTHEST, FARTHEST)
+            tried[DIRECTION] = np.clip(tried[DIRECTION], -1.0, 1.0)
+            now, least = left(tried)
+            if least <= squares:
+                break
+            step = step / 2.0
+        else:
+            break
+        theta, rest, squares = tried, now, least
     covariance = np.linalg.pinv(normal / np.outer(size, size), rcond=1e-12, hermitian=True) / np.outer(size, size)
     shares = [covariance @ j.T @ v for j, v in zip(jacobians, weights, strict=True)]
     own = [each[:2] for each in model(theta, responses, orbit)]

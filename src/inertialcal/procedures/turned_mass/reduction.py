@@ -38,6 +38,7 @@ from ...core.show.tables import Block, html, text
 from ...physics.orbit import orbital_rate
 from ...physics.turned_mass import recoil_arm, recoil_rates
 from ...sensors.model.sensor_model import Provenance
+from ...statistics.intervals import coverage_factor
 from ..model_terms import ModelTerms
 from ..protocol import Tested
 from .joining import (
@@ -75,6 +76,7 @@ from .rows import (
 )
 
 FLOOR = 3.0  # standard uncertainties of a scale factor, below which there is none
+FARTHEST_ZERO = math.pi / 4.0  # of the angle, from which its sense is that of chance
 MANY = 10  # runs, up to which pairs are tried as exchanged
 ROOT_3 = math.sqrt(3.0)
 LEVELS = {"between_runs": "scatter between runs", "within_runs": "noise within the runs"}
@@ -147,8 +149,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     ------
     DataError
         ``one_speed`` if all runs have one rate of turn and the recoil is to be found; ``orbit_line`` if all runs turn
-        at a multiple of the orbital rate; ``wrong_sense`` or ``runs_exchanged`` if the runs agree only so; as
-        `responses_of`.
+        at a multiple of the orbital rate; ``wrong_sense`` or ``runs_exchanged`` if the runs agree only so;
+        ``wrong_angle`` if the mass is 45 deg or more from where the programme says; as `responses_of`.
     """
     rate, _ = rate_of_orbit(plan)
     orbit = orbit_of(plan, rate)
@@ -166,6 +168,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         _refuse(plan, used, orbit, likely)
     estimate, reason = None, ""
     if abs(both.values[S]) >= FLOOR * math.sqrt(both.within[S, S]):
+        _refuse_angle(used, both)
         estimate = _estimate(plan, used, both)
     else:
         reason = f"the response of {len(used)} run(s) is below {FLOOR:g} times the noise"
@@ -214,6 +217,17 @@ def _refuse(plan: Plan, used: Sequence[Response], orbit: Orbit, likely: Sequence
             what = f"runs {one.name} and {other.name}: the readings of each fit the turn of the other"
             do = "Exchange their files, or their rows in the programme"
             raise DataError(what, one.where, "the recordings were exchanged", do, "runs_exchanged")
+
+
+def _refuse_angle(used: Sequence[Response], both: Joined) -> None:
+    """Refuse angles that are surely nearer to those across the input axis: the sign would be that of chance."""
+    zero, k = float(both.values[ZERO]), both.scatter
+    reach = coverage_factor(float(both.dof(k)[ZERO])) * math.sqrt(both.covariance(k)[ZERO, ZERO])
+    if abs(zero) - reach > FARTHEST_ZERO:
+        what = f"the mass is {math.degrees(zero):+.0f} deg from where the programme says, or half a turn from that"
+        why = "which of both decides the sign of the scale factor, and the readings do not tell"
+        do = "Count angle from the input axis, positive in the sense of the orbit; check begin, and input_axis"
+        raise DataError(what, used[0].run.where, why, do, "wrong_angle")
 
 
 class Figure(NamedTuple):

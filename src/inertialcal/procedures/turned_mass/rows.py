@@ -203,14 +203,16 @@ def _on_agreement(joined: Joined, disturbed: Sequence[str]) -> Iterator[Remark]:
         return
     what = f"the runs differ by more than their own noise explains {chance}"
     yield Remark("runs_differ", "info" if joined.p_value > DISAGREE else "warning", what,
-                 do="The uncertainty includes it; check rates, angles and the mass")  # fmt: skip
+                 do="The uncertainty includes it; check begin, rates, angles and the mass")  # fmt: skip
 
 
 def _on_comparisons(result: Result) -> Iterator[Remark]:
     estimate = result.estimate
     assert estimate is not None  # noqa: S101 - checked before
-    if estimate.values[0] < 0.0:
-        what = "the readings follow the attraction with the opposite sign: the scale factor is negative"
+    if estimate.values[0] * (result.plan.nominal or 1.0) < 0.0:
+        what = "the readings follow the attraction with the opposite sign: the scale factor is " + (
+            "negative" if estimate.values[0] < 0.0 else "positive, that of the chain negative"
+        )
         do = "Check the input axis and the zero of the angle; an accelerometer that counts specific force is negative"
         yield Remark("wrong_sign", "warning", what, do=do)
     for key, value, u, dof in zip(estimate.keys, estimate.values, estimate.u, estimate.dof, strict=True):
@@ -225,8 +227,10 @@ def _on_comparisons(result: Result) -> Iterator[Remark]:
             yield Remark("far_from_nominal", "warning", what, do="Check gate, range, mass and radius, and their units")
         if key.quantity == RECOIL_DIFFERENCE and abs(value) > SURE * u:
             what = f"the recoil arm differs by {figure} from m r / (M + m)"
-            do = "Check radius, mass of the satellite, altitude, and the sense of all runs"
+            do = "Check radius, mass of the satellite, altitude, input_axis, and the sense of all runs"
             yield Remark("recoil_disagrees", "warning", what, do=do)
         if key.quantity == RECOIL and value < -coverage_factor(float(dof)) * u:
             what = "the recoil arm is negative, which no satellite has"
-            yield Remark("recoil_disagrees", "warning", what, do="Check the sense of the runs and the altitude")
+            yield Remark(
+                "recoil_disagrees", "warning", what, do="Check input_axis, the sense of the runs, and the altitude"
+            )
