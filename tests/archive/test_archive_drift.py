@@ -1,4 +1,4 @@
-"""Units that age and units that do not, through an archive: what its history calls a drift, and what it states of one."""
+"""Units with and without a drift, through an archive: what its history calls one, and what it states of it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_records import add, content, figure
 from numpy.typing import NDArray
 
 from inertialcal.archive import open_archive
 from inertialcal.statistics.intervals import covers
-from made_records import add, content, figure
 from sized import sized
 
 AXES = "xyz"
