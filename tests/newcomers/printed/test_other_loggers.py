@@ -296,3 +296,19 @@ def test_a_french_profile_and_a_control_whose_name_has_a_blank(tmp_path: Path, c
     content = call_json(capsys, *words)
     levels = [one["value"] for one in content["results"] if one["quantity"] == "acceleration_rms"]
     assert levels[0] == pytest.approx(np.sqrt(0.01 * 380.0), rel=0.06)  # of the lines within the profile
+
+
+def test_a_log_in_text_needs_neither_lengths_nor_units(tmp_path: Path, capsys: Capsys) -> None:
+    path = tmp_path / "flight.log"
+    rates, force = rest(11)
+    rows = ["FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns", "FMT, 163, 55, IMU, QBffffff, "
+            "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ"]  # fmt: skip
+    for i, (rate, acc) in enumerate(zip(np.radians(rates), force, strict=True)):
+        values = ", ".join(f"{one:.6f}" for one in (*rate, *acc))
+        rows += [f"IMU, {5_000_000 + 10_000 * i}, {instance}, {values}" for instance in (0, 1)]
+    path.write_text("\n".join(rows) + "\n")
+    lines = [line for line in call(capsys, "info", str(path))[1].splitlines() if line.startswith("next: ")]
+    assert len(lines) == 2
+    found = call_json(capsys, *shlex.split(lines[0])[2:])["results"]
+    walk = [one["value"] for one in found if one["quantity"] == "angle_random_walk"]
+    assert walk == pytest.approx([NOISE / 10.0 * 60.0] * 3, rel=0.1)

@@ -43,6 +43,7 @@ KNOWN = {"Gyr": "rad/s", "Acc": "m/s^2"}  # of logs without units, from 2016 on
 FRAME = "body of the autopilot, x forward, y right, z down"
 FMT, FMT_LENGTH = 128, 89
 INSTANCE = "#"
+NUMBERED = "I"  # label of a field that says the instance
 TEXT_CELL = 120  # bytes of a cell of text while it is read
 
 
@@ -63,15 +64,21 @@ class Format:
         return np.dtype([(f"f{i}", KINDS[letter]) for i, letter in enumerate(self.letters)])
 
     @property
+    def is_named(self) -> bool:
+        """Whether letters and labels fit to each other: all that a text needs."""
+        return all(letter in KINDS for letter in self.letters) and len(self.letters) == len(self.labels) > 0
+
+    @property
     def is_whole(self) -> bool:
         """Whether letters, labels and length fit to each other."""
-        known = all(letter in KINDS for letter in self.letters) and len(self.letters) == len(self.labels) > 0
-        return known and self.kind.itemsize + 3 == self.length
+        return self.is_named and self.kind.itemsize + 3 == self.length
 
     @property
     def instance(self) -> int | None:
         """Which field says the instance of the sensor."""
         at = self.units.find(INSTANCE)
+        if not self.units and NUMBERED in self.labels:  # a log that says no units
+            at = self.labels.index(NUMBERED)
         return at if 0 <= at < len(self.letters) and KINDS[self.letters[at]] in ("u1", "i1") else None
 
 
@@ -290,7 +297,7 @@ def _text_rows(data: bytes) -> tuple[Log, dict[str, Format], dict[str, list[list
         name, *cells = (cell.strip() for cell in line.split(","))
         if name == "FMT" and len(cells) >= 5 and cells[0].isdigit() and cells[1].isdigit():
             one = Format(cells[2], int(cells[1]), cells[3], cells[4:])
-            if one.is_whole:
+            if one.is_named:
                 log.formats[int(cells[0])] = by_name[cells[2]] = one
         elif name in by_name and len(cells) == len(by_name[name].labels):
             if name in ("FMTU", "UNIT", "MULT"):
