@@ -24,6 +24,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -110,25 +111,39 @@ class Clustered:
     """A fit, and what its clusters disagree about: for several contrasts of one fit."""
 
     fit: Fit
-    shares: Shares  # Of its basis
+    gram: Array  # Q_g' Q_g of its basis, shape (R, p, p)
+    adjust: Array  # F_g of A_g Q_g = Q_g F_g, shape (R, p, p)
     score: Array  # what each moves the coefficients of the basis by, shape (R, p)
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Return covariance and degrees of freedom of combinations, rows (m, p), as `clustered_contrasts`."""
-        to_contrast = rows @ self.fit.transform
-        spread = to_contrast @ self.score.T
-        return spread @ spread.T, self.shares.dof(to_contrast)
+        covariance, dof = contrasts_each([self], rows[None])
+        return covariance[0], dof[0]
+
+
+def contrasts_each(found: Sequence[Clustered], rows: Array) -> tuple[Array, Array]:
+    """Return the same of several fits of one shape with so many clusters each: rows (s, m, p); (s, m, m), (s, m)."""
+    to_contrast = rows @ np.array([one.fit.transform for one in found])
+    spread = to_contrast @ np.array([one.score for one in found]).swapaxes(1, 2)
+    gram, adjust = (np.array([getattr(one, name) for one in found]) for name in ("gram", "adjust"))
+    return spread @ spread.swapaxes(1, 2), _satterthwaite(gram, adjust, to_contrast)
 
 
 def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:
     """Return a fit with what its clusters, labels (n,) or members, disagree about; raises as `clustered_covariance`."""
-    return with_shares(fit, Shares(_clusters(fit, clusters), fit.basis))
+    return clustered_each([fit], [_clusters(fit, clusters)])[0]
 
 
-def with_shares(fit: Fit, shares: Shares) -> Clustered:
-    """Return the same where the shares of its basis are known."""
-    root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
-    return Clustered(fit, shares, shares.score(fit.residuals * root))
+def clustered_each(fits: Sequence[Fit], members: Sequence[Members]) -> list[Clustered]:
+    """Return the same of several fits of one shape, whose readings are of two clusters or more, of one number."""
+    n, p = fits[0].basis.shape
+    first = n * np.arange(len(fits))[:, None]
+    order, starts = (np.array([one[i] for one in members]) + first for i in range(2))
+    shares = Shares(Members(order.ravel(), starts.ravel()), np.concatenate([one.basis for one in fits]))
+    roots = [one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits]
+    gram, adjust = (one.reshape(len(fits), -1, p, p) for one in (shares.gram, shares.adjust))
+    score = shares.score(np.concatenate(roots)).reshape(len(fits), -1, p)
+    return [Clustered(fit, *own) for fit, *own in zip(fits, gram, adjust, score, strict=True)]
 
 
 class Shares:
@@ -146,7 +161,7 @@ class Shares:
 
     def dof(self, to_contrast: Array) -> Array:
         """Return Satterthwaite's degrees of freedom of combinations of the basis, rows (m, p)."""
-        return _satterthwaite(self.gram, self.adjust, to_contrast)
+        return np.asarray(_satterthwaite(self.gram[None], self.adjust[None], to_contrast[None])[0])
 
 
 def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:
@@ -175,22 +190,21 @@ def _inverse_root(gram: Array) -> Array:
 
 
 def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
-    """Degrees of freedom of each variance, shape (m,).
+    """Degrees of freedom of each variance, shape (s, m), of s fits: (s, R, p, p), (s, R, p, p), (s, m, p).
 
     Under the working model the variance is a quadratic form in independent errors, with the matrix
     ``B_gh = z_g' (I - H)_gh z_h`` between clusters, ``z_g = A_g X_g M c``; dof = (tr B)² / tr(B²).
     """
-    size = np.max(np.abs(to_contrast), axis=1, initial=0.0, keepdims=True)
+    size = np.max(np.abs(to_contrast), axis=2, initial=0.0, keepdims=True)
     to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
-    z = np.einsum("gij,mj->mgi", adjust, to_contrast)  # z_g = Q_g z
-    shared = np.einsum("gij,mgj->mgi", gram, z)  # Q_g' Q_g z
-    own = np.einsum("mgi,mgi->mg", z, shared)
-    B = -shared @ shared.transpose(0, 2, 1)
-    at = np.arange(own.shape[1])
-    B[:, at, at] += own
-    trace = np.einsum("mgg->m", B)
-    wanted = np.sum(to_contrast**2, axis=1)
-    seen = trace > (1.0 - UNRESOLVED) * wanted
-    dof = np.zeros(trace.size)
+    z = np.matmul(adjust[:, None], to_contrast[:, :, None, :, None])  # z_g = Q_g z, shape (s, m, R, p, 1)
+    shared = np.matmul(gram[:, None], z)[..., 0]  # Q_g' Q_g z
+    own = np.sum(z[..., 0] * shared, axis=3)
+    B = -shared @ shared.swapaxes(2, 3)
+    at = np.arange(own.shape[2])
+    B[:, :, at, at] += own
+    trace = np.trace(B, axis1=2, axis2=3)
+    seen = trace > (1.0 - UNRESOLVED) * np.sum(to_contrast**2, axis=2)
+    dof = np.zeros_like(trace)
     dof[seen] = trace[seen] ** 2 / np.sum(B[seen] ** 2, axis=(1, 2))
     return dof

@@ -157,6 +157,32 @@ def fit(
     )
 
 
+def fit_each(decomposed: Decomposed, readings: Array, names: Sequence[str]) -> list[Fit]:
+    """Return the fits of sets of readings, shape (s, n), each by a design of its own, as `fit` does without weights.
+
+    Parameters
+    ----------
+    decomposed : Decomposed
+        Of all designs, shape (s, n, p).
+    readings : ndarray, shape (s, n)
+        Finite.
+    names : sequence of str
+        Of the columns.
+    """
+    design, basis, transform = decomposed.design, decomposed.basis, decomposed.transform
+    coefficients = decomposed.coefficients(readings)
+    residuals = readings - times(design, coefficients)
+    dof, labels = design.shape[1] - design.shape[2], tuple(names)
+    square = np.sum(residuals**2, axis=1) / dof if dof else np.full(len(readings), np.nan)
+    covariance = square[:, None, None] * (transform @ transform.swapaxes(1, 2))
+    leverage, squares = np.sum(basis**2, axis=2), square.tolist()
+    return [
+        Fit(coefficients[i], covariance[i] if dof else None, float(dof), residuals[i], leverage[i],
+            squares[i] if dof else None, design[i], None, labels, basis[i], transform[i])
+        for i in range(len(readings))
+    ]  # fmt: skip
+
+
 def fit_correlated(design: Array, readings: Array, covariance: Array, names: Sequence[str] | None = None) -> Fit:
     """Return the generalised least-squares fit of readings whose covariance is known.
 
@@ -216,40 +242,48 @@ def symmetric_inverse(matrix: Array, least: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Decomposed:
-    """A whitened design, ready for any number of sets of readings: what a fit takes of the design alone."""
+    """A whitened design, ready for any number of sets of readings: what a fit takes of the design alone; or several."""
 
-    design: Array  # as given, (n, p)
-    basis: Array  # orthonormal, of its columns, (n, p)
-    transform: Array  # ``coefficients = transform @ basis.T @ readings``, (p, p)
+    design: Array  # as given, (..., n, p)
+    basis: Array  # orthonormal, of its columns, (..., n, p)
+    transform: Array  # ``coefficients = transform @ basis.T @ readings``, (..., p, p)
 
     def with_column(self, column: Array) -> Decomposed:
-        """Return the decomposition with one column more, shape (n,), finite; raises as `decompose`."""
-        n, p = self.design.shape
-        design = np.column_stack([self.design, column])
-        along = self.basis.T @ column
-        left = column - self.basis @ along
-        again = self.basis.T @ left
-        left, along = left - self.basis @ again, along + again  # twice is enough
-        size = math.sqrt(left @ left)
-        if n <= p or not size > APART * math.sqrt(column @ column):
+        """Return the decomposition with one column more, shape (..., n), finite; raises as `decompose`."""
+        n, p = self.design.shape[-2:]
+        design = np.concatenate([self.design, column[..., None]], axis=-1)
+        back = self.basis.swapaxes(-1, -2)
+        along = times(back, column)
+        left = column - times(self.basis, along)
+        again = times(back, left)
+        left, along = left - times(self.basis, again), along + again  # twice is enough
+        size = np.sqrt(np.sum(left**2, axis=-1))
+        if n <= p or not np.all(size > APART * np.sqrt(np.sum(column**2, axis=-1))):
             return decompose(design, [f"column {i}" for i in range(p + 1)])
-        transform = np.zeros((p + 1, p + 1))
-        transform[:p, :p], transform[:p, p] = self.transform, self.transform @ along / -size
-        transform[p, p] = 1.0 / size
-        return Decomposed(design, np.column_stack([self.basis, left / size]), transform)
+        transform = np.zeros((*size.shape, p + 1, p + 1))
+        transform[..., :p, :p] = self.transform
+        transform[..., :p, p] = times(self.transform, along) / -size[..., None]
+        transform[..., p, p] = 1.0 / size
+        return Decomposed(design, np.concatenate([self.basis, (left / size[..., None])[..., None]], axis=-1), transform)
 
     def coefficients(self, readings: Array) -> Array:
         """Return the coefficients of readings, shape (..., n), each set by itself, after one refinement: (..., p)."""
-        back, wide = self.basis.T, self._wide
+        back, wide = self.basis.swapaxes(-1, -2), self._wide
         found = times(self.transform, times(back, readings))
         left = readings - times(self.design, found)
         missed: Array = (readings - np.matmul(wide, found[..., None])[..., 0] - left).astype(float)
-        along: Array = np.matmul(wide.T, left[..., None])[..., 0].astype(float)
-        return found + times(self.transform, times(back, missed) + times(self.transform.T, along))
+        along: Array = np.matmul(wide.swapaxes(-1, -2), left[..., None])[..., 0].astype(float)
+        turned = self.transform.swapaxes(-1, -2)
+        return found + times(self.transform, times(back, missed) + times(turned, along))
 
     @cached_property
     def _wide(self) -> NDArray[np.longdouble]:
         return self.design.astype(np.longdouble)
+
+    def take(self, numbers: Sequence[int]) -> Decomposed:
+        """Return some of several, by number."""
+        at = np.asarray(numbers)
+        return Decomposed(self.design[at], self.basis[at], self.transform[at])
 
 
 def times(matrix: Array, vectors: Array) -> Array:
@@ -259,20 +293,21 @@ def times(matrix: Array, vectors: Array) -> Array:
 
 
 def decompose(white: Array, names: Sequence[str]) -> Decomposed:
-    """Return the decomposition of a whitened design, shape (n, p), finite and n >= p.
+    """Return the decomposition of a whitened design, shape (..., n, p), finite and n >= p; or of several.
 
     Raises
     ------
     DataError
-        ``rank_deficient``, as `fit`.
+        ``rank_deficient``, as `fit`: of the first of several.
     """
-    length = np.sqrt(np.sum(white**2, axis=0))
+    length = np.sqrt(np.sum(white**2, axis=-2))
     scale = np.where(length > 0.0, length, 1.0)
-    basis, s, rows = np.linalg.svd(white / scale, full_matrices=False)
-    lost = s <= s[0] * max(white.shape) * np.finfo(float).eps
+    basis, s, rows = np.linalg.svd(white / scale[..., None, :], full_matrices=False)
+    lost = s <= s[..., :1] * max(white.shape[-2:]) * np.finfo(float).eps
     if lost.any():
-        raise _rank_deficient(rows[lost].T, length, tuple(names))
-    return Decomposed(white, basis, rows.T / s / scale[:, None])
+        at = tuple(np.argwhere(lost)[0][:-1])
+        raise _rank_deficient(rows[at][lost[at]].T, length[at], tuple(names))
+    return Decomposed(white, basis, rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None])
 
 
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:

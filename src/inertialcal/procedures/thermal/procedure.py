@@ -24,7 +24,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, LARGEST_ORDER, Plan, PlannedRamps, Thermometer
 
 if TYPE_CHECKING:
-    from ...core.errors import Problem
+    from ...core.errors import InertialcalError, Problem
     from ...core.judging import Asked, Verdict
     from ...core.recording import Recording
     from ...core.results import Row, WrittenRow
@@ -157,6 +157,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def reduce_many(self, tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+        """Return the result of each unit, or its refusal; sensors that are alike are fitted at once."""
+        from .reduction import reduce_many
+
+        return reduce_many(tests)
 
     def correction(self, test: str, result: Result) -> Correction:
         """Return the bias over temperature, to be taken off."""

@@ -19,11 +19,11 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...core.curve import Curve
-from ...core.errors import DataError
+from ...core.errors import DataError, InertialcalError, Problem
 from ...core.estimate import Estimate
 from ...core.influence import Influence
 from ...core.key import Reason
@@ -36,7 +36,7 @@ from .curves import curves
 from .fit.cells import Series, series_of
 from .fit.law import Law
 from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate
-from .fit.sensor import OfSensor, reduce_sensor
+from .fit.sensor import OfSensor, reduce_sensors
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .recordings import Readings, Sweep, ThermalRecording, readings_from
 from .rows import needed, rows
@@ -119,21 +119,51 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         If there is no recording, or no sensor can be reduced: the temperature hardly changes
         (``no_temperature_change``), nothing is valid, ...
     """
+    found = reduce_many([(plan, readings)])[0]
+    if isinstance(found, InertialcalError):
+        raise found
+    return found
+
+
+def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+    """Return the result of each unit as `reduce` gives it, or its refusal; sensors that are alike are fitted at once."""
+    problems: list[dict[str, Problem]] = [{} for _ in tests]
+    series: list[tuple[int, Series]] = []
+    for i, (plan, readings) in enumerate(tests):
+        own: list[Series] = []
+        for (
+            axis
+        ) in readings.axes:  # all before the first is reduced: those that share a thermometer share what it tells
+            try:
+                own.append(series_of(plan, readings, axis, own))
+            except DataError as error:
+                problems[i][axis] = error.problems[0]
+        series += [(i, one) for one in own]
+    sensors: list[dict[str, OfSensor]] = [{} for _ in tests]
+    for (i, one), found in zip(series, reduce_sensors([(*tests[i], one) for i, one in series]), strict=True):
+        if isinstance(found, DataError):
+            problems[i][one.axis] = found.problems[0]
+        else:
+            sensors[i][one.axis] = found
+    results: list[Result | InertialcalError] = []
+    for (plan, readings), own_sensors, own_problems in zip(tests, sensors, problems, strict=True):
+        try:
+            results.append(_result(plan, readings, own_sensors, own_problems))
+        except InertialcalError as error:
+            results.append(error)
+    return results
+
+
+def _result(plan: Plan, readings: Readings, sensors: dict[str, OfSensor], problems: Mapping[str, Problem]) -> Result:
+    """Return what was found of a unit.
+
+    Raises
+    ------
+    DataError
+        If no sensor was read, or none can be reduced.
+    """
     if not readings.axes:
         raise DataError("no sensor was read", readings.where, code="no_recordings")
-    sensors: dict[str, OfSensor] = {}
-    series: list[Series] = []
-    problems = {}
-    for axis in readings.axes:  # all before the first is reduced: those that share a thermometer share what it tells
-        try:
-            series.append(series_of(plan, readings, axis, series))
-        except DataError as error:
-            problems[axis] = error.problems[0]
-    for one in series:
-        try:
-            sensors[one.axis] = reduce_sensor(plan, readings, one)
-        except DataError as error:
-            problems[one.axis] = error.problems[0]
     problems = {axis: problems[axis] for axis in readings.axes if axis in problems}
     if not sensors:
         raise DataError([replace(one, where=one.where or readings.where) for one in problems.values()])

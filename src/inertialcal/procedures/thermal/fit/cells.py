@@ -51,6 +51,14 @@ class Once:
             self._found[what] = make()
         return cast("R", self._found[what])
 
+    def __contains__(self, what: Hashable) -> bool:
+        """Whether something stands under a name."""
+        return what in self._found
+
+    def keep(self, what: Hashable, found: object) -> None:
+        """Let something stand under a name: what was found of several at once."""
+        self._found[what] = found
+
 
 @dataclass(frozen=True, eq=False)
 class Series:

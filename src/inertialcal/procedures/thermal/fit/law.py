@@ -33,9 +33,9 @@ taken where it can tell all of P, else the value stays without uncertainty.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -47,14 +47,14 @@ from ....core.estimate import Array
 from ....statistics.clustered import (
     Clustered,
     Members,
-    Shares,
     clustered,
     clustered_contrasts,
+    clustered_each,
+    contrasts_each,
     members_of,
-    with_shares,
 )
 from ....statistics.intervals import coverage_factor
-from ....statistics.least_squares import Fit, decompose, fit
+from ....statistics.least_squares import Decomposed, Fit, decompose, fit, fit_each, times
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_numbered
 from .cells import Cells, Indices, Once
@@ -102,24 +102,23 @@ class Scatter:
         """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
         return _contrasts(self.of_fit, np.eye(self.order + 1), 0)
 
-    @cached_property
+    @property
     def of_path_fit(self) -> Clustered:
         """Of D."""
-        return self.of_fit if self.path_fit is self.fit else self._clustered(self.path_fit, self.level, self.clusters)
+        if self.path_fit is self.fit:
+            return self.of_fit
+        return self.once("path", lambda: clustered(self.path_fit, self.members))
 
-    @cached_property
+    @property
     def _judged(self) -> tuple[Level, Indices, Clustered]:
-        for level, clusters in _levels(self.cells):
-            found = self._clustered(self.fit, level, clusters)
+        return self.once("judged", self._found)
+
+    def _found(self) -> tuple[Level, Indices, Clustered]:
+        for level, clusters in levels(self.cells):
+            found = clustered(self.fit, members(self.cells, level, clusters))
             if level == "block" or np.all(_contrasts(found, np.eye(self.order + 1), 0)[1] > 0.0):
                 return level, clusters, found
         raise AssertionError("blocks come last")
-
-    def _clustered(self, fit: Fit, level: Level, clusters: Indices) -> Clustered:
-        own = members(self.cells, level, clusters)
-        if self.cells.runs > 1 or fit is not self.path_fit or len(own.starts) < 2:
-            return clustered(fit, own)
-        return with_shares(fit, self.cells.once(("shares", level, self.order), lambda: Shares(own, fit.basis)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,20 +178,28 @@ class Law:
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
-        found = self.scatter.of_fit
-        return self.scatter.once((rows.shape, rows.tobytes()), lambda: _contrasts(found, rows, 0))
+        return self.scatter.once(_named(rows), lambda: _contrasts(self.scatter.of_fit, rows, 0))
 
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
-        covariance, dof = _contrasts(self.scatter.of_path_fit, rows, self.order + 1)
-        return rows @ self.path_fit.coefficients[self.order + 1 :], covariance, dof
+        start, found = self.order + 1, self.scatter.of_path_fit
+        covariance, dof = self.scatter.once(("path", *_named(rows)), lambda: _contrasts(found, rows, start))
+        return rows @ self.path_fit.coefficients[start:], covariance, dof
+
+
+def _named(rows: Array) -> tuple[object, ...]:
+    return rows.shape, rows.tobytes()
 
 
 def _contrasts(found: Clustered, rows: Array, start: int) -> tuple[Array, Array]:
     """Covariance and degrees of freedom of combinations of the coefficients from one on."""
-    whole = np.zeros((len(rows), found.fit.coefficients.size))
-    whole[:, start : start + rows.shape[1]] = rows
-    return found.contrasts(whole)
+    return found.contrasts(_whole(rows, found, start))
+
+
+def _whole(rows: Array, found: Clustered, start: int) -> Array:
+    whole = np.zeros((*rows.shape[:-1], found.fit.coefficients.size))
+    whole[..., start : start + rows.shape[-1]] = rows
+    return whole
 
 
 def law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
@@ -203,83 +210,212 @@ def law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
     DataError
         If the cells are fewer than the coefficients, do not tell them apart, or show no scatter.
     """
-    return judged(unjudged_law_of(cells, order, alone))
-
-
-def judged(law: Law) -> Law:
-    """Return a law whose scatter is known: refused here, not where it is wanted."""
-    _ = law.level
+    law = unjudged_law_of(cells, order, alone)
+    _ = law.level  # refused here, not where it is wanted
     return law
 
 
 def unjudged_law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
     """Return the same for its values alone: its scatter is found when it is wanted."""
-    path_order = path_order_of(cells)
-    domain = cells.range
+    found = unjudged_laws_of([cells], order, None if alone is None else [alone])[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+def unjudged_laws_of(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None = None) -> list[Law | DataError]:
+    """Return such laws of several sensors, or why one has none; those with as many cells of one run are fitted at once.
+
+    Of the sensors of a thermometer the design is the same, of others it has the same shape.
+    """
+    found: dict[int, Law | DataError] = {}
+    for at in gathered(_shape(one) for one in cells):
+        own = [cells[i] for i in at]
+        fits = None if alone is None else [alone[i] for i in at]
+        try:
+            found.update(zip(at, _alike(own, order, fits), strict=True))
+        except DataError as error:
+            if len(at) == 1:
+                found[at[0]] = error
+                continue
+            for i in at:  # one of them is refused
+                found[i] = unjudged_laws_of([cells[i]], order, None if alone is None else [alone[i]])[0]
+    return [found[i] for i in range(len(cells))]
+
+
+def gathered(kinds: Iterable[Hashable]) -> list[list[int]]:
+    """Return the numbers of what is of one kind, kind by kind."""
+    found: dict[Hashable, list[int]] = {}
+    for i, kind in enumerate(kinds):
+        found.setdefault(kind, []).append(i)
+    return list(found.values())
+
+
+def _shape(cells: Cells) -> Hashable:
+    """Return what designs of one shape have in common; cells of several runs are by themselves."""
+    if cells.runs >= 2:
+        return id(cells)
+    return len(cells), path_order_of(cells), cells.paths_repeated
+
+
+def _alike(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None) -> list[Law]:
+    first, path_order = cells[0], path_order_of(cells[0])
     if alone is None:
         names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
-        alone = _fitted(cells, order, path_order, domain, names)
+        alone = _fitted(cells, order, path_order, names)
     if path_order < 0:
         of_p = alone
-    elif cells.paths_repeated:
-        of_p = _with_lag(cells, alone, order, max(path_order, order - 1), domain)
+    elif first.paths_repeated:
+        of_p = _with_lag(cells, alone, order, max(path_order, order - 1))
     else:
-        of_p = _fitted(cells, order, -1, domain)
-    return Law(cells, order, path_order, domain, of_p, alone, Scatter(cells, order, of_p, alone))
+        of_p = _fitted(cells, order, -1)
+    return [
+        Law(one, order, path_order, one.range, fitted, plain, Scatter(one, order, fitted, plain))
+        for one, fitted, plain in zip(cells, of_p, alone, strict=True)
+    ]
 
 
 def _fitted(
-    cells: Cells,
+    cells: Sequence[Cells],
     order: int,
     path_order: int,
-    domain: tuple[float, float],
     names: Sequence[str] | None = None,
-    lag: Array | None = None,
-) -> Fit:
-    """Return the fit of P and D, and of a lag by its column; of one run with a decomposition that all sensors share."""
-    columns = design(cells, order, path_order, domain)
-    if cells.runs >= 2:
-        columns = columns if lag is None else np.column_stack([columns, lag])
-        return fit_numbered(columns, cells.reading, cells.weight, cells.run_number, names)
-    root = cells.once("root", lambda: np.sqrt(cells.weight))
-    white = columns * root[:, None]
-    if len(white) <= white.shape[1]:  # too few cells, said as any fit says it
-        return fit(white, cells.reading * root, names=names)
-    labels = names or [f"column {i}" for i in range(white.shape[1])]
-    whole = cells.once(("decomposed", order, path_order, domain), lambda: decompose(white, labels))
-    if lag is not None:
-        whole, names = whole.with_column(lag * root), None
-    return fit(whole.design, cells.reading * root, names=names, decomposed=whole)
+    lags: Array | None = None,
+) -> list[Fit]:
+    """Return the fits of P and D, and of lags by their columns, shape (s, c), to cells of one shape."""
+    if cells[0].runs >= 2:
+        one = cells[0]
+        columns = design(one, order, path_order)
+        columns = columns if lags is None else np.column_stack([columns, lags[0]])
+        return [fit_numbered(columns, one.reading, one.weight, one.run_number, names)]
+    y = np.array([one.reading for one in cells]) * np.array([_root(one) for one in cells])
+    if y.shape[1] <= order + path_order + 2 or not np.isfinite(y).all():  # said as any fit says it
+        return [fit(design(one, order, path_order) * _root(one)[:, None], row, names=names)
+                for one, row in zip(cells, y, strict=True)]  # fmt: skip
+    decomposed = _decomposed(cells, order, path_order, names)
+    if lags is not None:
+        decomposed, names = decomposed.with_column(lags * np.array([_root(one) for one in cells])), None
+    labels = names or [f"column {i}" for i in range(decomposed.design.shape[2])]
+    return fit_each(decomposed, y, labels)
 
 
-def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tuple[float, float]) -> Fit:
-    """Return the fit with a thermal lag in it, where the cells tell it apart; else that without.
+def _root(cells: Cells) -> Array:
+    return cells.once("root", lambda: np.sqrt(cells.weight))
+
+
+def _decomposed(cells: Sequence[Cells], order: int, path_order: int, names: Sequence[str] | None) -> Decomposed:
+    """Return the designs of P and D of cells of one shape, decomposed: once for those of one thermometer."""
+    kinds = gathered(id(one.once) for one in cells)
+    own = [cells[at[0]] for at in kinds]
+    key, labels = ("decomposed", order, path_order), names or [f"column {i}" for i in range(order + path_order + 2)]
+
+    def together() -> Decomposed:
+        return decompose(designs(own, order, path_order) * np.array([_root(one) for one in own])[:, :, None], labels)
+
+    known = own[0].once(key, together) if len(own) == 1 else together()
+    number = np.empty(len(cells), dtype=np.int64)
+    for k, at in enumerate(kinds):
+        number[at] = k
+    return known.take(number.tolist())
+
+
+def _with_lag(cells: Sequence[Cells], alone: Sequence[Fit], order: int, path_order: int) -> list[Fit]:
+    """Return fits with a thermal lag in them, where the cells tell it apart; else those without.
 
     Where warming and cooling went at different rates, or over different ranges, a lag does not cancel midway. It is in
     where it costs little, or where the runs agree that it is not zero.
     """
-    if order == 0 or not np.isfinite(cells.rate).all():
-        return alone
-    lag = lag_column(cells, alone.coefficients[: order + 1], domain)
+    timed = [i for i, one in enumerate(cells) if order and np.isfinite(one.rate).all()]
+    chosen = list(alone)
+    if not timed:
+        return chosen
+    lags = lag_columns([cells[i] for i in timed], np.array([alone[i].coefficients[: order + 1] for i in timed]))
     try:
-        found = _fitted(cells, order, path_order, domain, lag=lag)
+        found = _fitted([cells[i] for i in timed], order, path_order, lags=lags)
     except DataError:
-        return alone
-    grown = np.sum(found.transform[: order + 1] ** 2, axis=1) / np.sum(alone.transform[: order + 1] ** 2, axis=1)
-    if np.all(grown < GROWN):
-        return found
-    if cells.runs < 2:
-        return alone
-    covariance, dof = clustered_contrasts(found, members(cells, "run", cells.run), np.eye(found.coefficients.size)[-1:])
-    resolved = dof[0] > 0.0 and abs(found.coefficients[-1]) > coverage_factor(float(dof[0])) * np.sqrt(covariance[0, 0])
-    return found if resolved else alone
+        if len(cells) == 1:
+            return chosen
+        return [_with_lag([one], [own], order, path_order)[0] for one, own in zip(cells, alone, strict=True)]
+    sizes = [np.sum(np.array([one.transform[: order + 1] for one in fits]) ** 2, axis=2)
+             for fits in (found, [alone[i] for i in timed])]  # fmt: skip
+    cheap = np.all(sizes[0] / sizes[1] < GROWN, axis=1)
+    for i, one, keep in zip(timed, found, cheap.tolist(), strict=True):
+        if keep or (cells[i].runs >= 2 and _resolved(one, cells[i])):
+            chosen[i] = one
+    return chosen
 
 
-def lag_column(cells: Cells, coefficients: Array, domain: tuple[float, float]) -> Array:
+def _resolved(found: Fit, cells: Cells) -> bool:
+    """Whether the runs agree that the lag of a fit, its last coefficient, is not zero."""
+    row = np.eye(found.coefficients.size)[-1:]
+    covariance, dof = clustered_contrasts(found, members(cells, "run", cells.run), row)
+    return bool(
+        dof[0] > 0.0 and abs(found.coefficients[-1]) > coverage_factor(float(dof[0])) * np.sqrt(covariance[0, 0])
+    )
+
+
+def lag_column(cells: Cells, coefficients: Array) -> Array:
     """Return what a lag of one second changes each cell by, with the slope of a first P, shape (c,)."""
-    at = cells.once(("scaled", domain), lambda: _scaled(cells.temperature, domain))
-    slope = chebyshev.chebval(at, chebyshev.chebder(coefficients))
-    return np.asarray(-slope * 2.0 / (domain[1] - domain[0]) * cells.rate)
+    return np.asarray(lag_columns([cells], coefficients[None])[0])
+
+
+def lag_columns(cells: Sequence[Cells], coefficients: Array) -> Array:
+    """Return the same of several sensors: slopes by P of shape (s, order + 1); shape (s, c)."""
+    ends, at = _ends(cells), _scaled_each(cells)
+    slope = chebyshev.chebder(coefficients, axis=1)
+    rows = chebyshev.chebvander(at, slope.shape[1] - 1)
+    rate = np.array([one.rate for one in cells])
+    return np.asarray(-times(rows, slope) * (2.0 / (ends[:, 1:] - ends[:, :1])) * rate)
+
+
+def judge(laws: Sequence[Law]) -> list[DataError | None]:
+    """Find the scatter of laws, what is wanted of one alike at once; return why it is refused, law by law."""
+    first = [levels(one.cells)[0] for one in laws]
+    kinds = gathered(
+        (level, one.order, one.fit.basis.shape, one.path_fit.basis.shape, len(_starts(one, level, clusters)))
+        for one, (level, clusters) in zip(laws, first, strict=True)
+    )
+    refused: list[DataError | None] = [None] * len(laws)
+    for at in kinds:
+        level, clusters = first[at[0]]
+        own = [laws[i] for i in at]
+        if len(_starts(own[0], level, clusters)) >= 2:
+            by = [members(one.cells, *first[i]) for i, one in zip(at, own, strict=True)]
+            found = clustered_each([one.fit for one in own], by)
+            ways = clustered_each([one.path_fit for one in own], by)
+            known = [True] * len(at) if level == "block" else _known(found, own[0].order)
+            for i, one, mine, way, keep in zip(at, own, found, ways, known, strict=True):
+                if keep:
+                    one.scatter.once.keep("judged", (*first[i], mine))
+                    one.scatter.once.keep("path", way)
+        for i in at:
+            try:
+                _ = laws[i].level
+            except DataError as error:
+                refused[i] = error
+    return refused
+
+
+def _starts(law: Law, level: Level, clusters: Indices) -> Indices:
+    return members(law.cells, level, clusters).starts
+
+
+def _known(found: Sequence[Clustered], order: int) -> list[bool]:
+    """Whether the members of a level tell all of P, fit by fit."""
+    rows = np.broadcast_to(_whole(np.eye(order + 1), found[0], 0), (len(found), order + 1, found[0].fit.basis.shape[1]))
+    return [bool(one) for one in np.all(contrasts_each(found, rows)[1] > 0.0, axis=1)]
+
+
+def find_contrasts(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> None:
+    """Find covariance and degrees of freedom of combinations of P, or of D, of several judged laws, alike at once."""
+    scatters = [one.scatter.of_path_fit if paths else one.scatter.of_fit for one in laws]
+    starts = [one.order + 1 if paths else 0 for one in laws]
+    for at in gathered((one.score.shape, own.shape, k) for one, own, k in zip(scatters, rows, starts, strict=True)):
+        whole = _whole(np.array([rows[i] for i in at]), scatters[at[0]], starts[at[0]])
+        covariance, dof = contrasts_each([scatters[i] for i in at], whole)
+        for i, found in zip(at, zip(covariance, dof, strict=True), strict=True):
+            name = ("path", *_named(rows[i])) if paths else _named(rows[i])
+            laws[i].scatter.once.keep(name, found)
 
 
 def path_order_of(cells: Cells) -> int:
@@ -288,25 +424,34 @@ def path_order_of(cells: Cells) -> int:
     return min(PATH_ORDER, len(shared) // ENOUGH) if len(shared) else -1
 
 
-def design(cells: Cells, order: int, path_order: int, domain: tuple[float, float]) -> Array:
+def design(cells: Cells, order: int, path_order: int) -> Array:
     """Return what the cells see of P and D, shape (c, order + 1 + path_order + 1)."""
-
-    def found() -> Array:
-        rows = _mean_rows(cells, max(order, path_order), domain)
-        paths = 0.5 * cells.path[:, None] * rows[:, : path_order + 1]
-        return np.hstack([rows[:, : order + 1], paths])
-
-    return cells.once(("design", order, path_order, domain), found)
+    return cells.once(("design", order, path_order), lambda: designs([cells], order, path_order)[0])
 
 
-def _mean_rows(cells: Cells, order: int, domain: tuple[float, float]) -> Array:
-    """Chebyshev rows, mean over the spread of each cell to second order."""
-    s = _scaled(cells.temperature, domain)
-    rows = chebyshev.chebvander(s, order)
-    if order < 2:
-        return np.asarray(rows)
-    spread = cells.spread * (2.0 / (domain[1] - domain[0])) ** 2
-    return np.asarray(rows + 0.5 * spread[:, None] * (rows[:, : order - 1] @ _bent(order)))
+def designs(cells: Sequence[Cells], order: int, path_order: int) -> Array:
+    """Return the same of several thermometers with as many cells, shape (u, c, order + 1 + path_order + 1).
+
+    Chebyshev rows, mean over the spread of each cell to second order.
+    """
+    ends, highest = _ends(cells), max(order, path_order)
+    rows = chebyshev.chebvander(_scaled_each(cells), highest)
+    if highest >= 2:
+        spread = np.array([one.spread for one in cells]) * (2.0 / (ends[:, 1:] - ends[:, :1])) ** 2
+        rows = rows + 0.5 * spread[..., None] * (rows[..., : highest - 1] @ _bent(highest))
+    paths = 0.5 * np.array([one.path for one in cells])[..., None] * rows[..., : path_order + 1]
+    return np.concatenate([rows[..., : order + 1], paths], axis=-1)
+
+
+def _ends(cells: Sequence[Cells]) -> Array:
+    """Return the ends of the temperatures that are used, shape (s, 2)."""
+    return np.array([one.range for one in cells])
+
+
+def _scaled_each(cells: Sequence[Cells]) -> Array:
+    """Return the temperature of each cell from -1 to 1 over the range of its sensor, shape (s, c)."""
+    low, high = _ends(cells).T[..., None]
+    return np.asarray((2.0 * np.array([one.temperature for one in cells]) - low - high) / (high - low))
 
 
 @cache
@@ -323,6 +468,11 @@ def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int)
 def _scaled(temperature: ArrayLike, domain: tuple[float, float]) -> Array:
     lo, hi = domain
     return np.asarray((2.0 * np.asarray(temperature, dtype=float) - lo - hi) / (hi - lo))
+
+
+def levels(cells: Cells) -> Sequence[tuple[Level, Indices]]:
+    """Levels that were repeated, the highest first; blocks always are."""
+    return cells.once("levels", lambda: _levels(cells))
 
 
 def _levels(cells: Cells) -> Sequence[tuple[Level, Indices]]:

@@ -16,6 +16,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -24,8 +25,9 @@ import numpy as np
 from ....core.estimate import Array
 from ....statistics.least_squares import symmetric_inverse
 from .cells import Cells, Indices
-from .law import design, path_order_of
+from .law import designs, gathered, path_order_of
 
+BLOCKS = 3  # stretches up to which all of them are held out
 STRETCHES = 10  # of the range of temperature, the inner ones of which are held out
 RAMPS, RUNS = 5, 3  # that are enough to be held out
 LEAST, SAFE = 1e-10, 1e6  # eigenvalue over the largest that counts; ratio up to which all do, by far
@@ -46,12 +48,26 @@ class Choice:
 
 def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice:
     """Return the order of P, chosen on what is held out where none is given; the scores are found either way."""
-    held_out, found = cells.once(("held out", largest), lambda: _errors(cells, largest))
+    held_out, found = cells.once(("held out", largest), lambda: _errors([cells], largest)[0])
     errors = found[cells.sensor]
     scores = np.sqrt(np.mean(errors, axis=1))
     if given is not None:
         return Choice(given, "given", scores)
     return Choice(_lowest(errors), held_out, scores)
+
+
+def find_scores(cells: Sequence[Cells], largest: int) -> None:
+    """Find the scores of several thermometers that `choose_order` wants, those with as many cells and groups at once."""
+    own = [cells[at[0]] for at in gathered(id(one.once) for one in cells)]
+    shapes = [(one.beside.shape, *_groups(one).shape) for one in own]
+    for at in gathered(shapes):
+        alike = [own[i] for i in at]
+        try:
+            found = _errors(alike, largest)
+        except np.linalg.LinAlgError:  # of one of them: alone it is the trouble of its unit
+            continue
+        for one, errors in zip(alike, found, strict=True):
+            one.once.keep(("held out", largest), errors)
 
 
 def _lowest(errors: Array) -> int:
@@ -60,43 +76,81 @@ def _lowest(errors: Array) -> int:
     return int(np.flatnonzero(scores <= NO_BETTER * scores.min())[0])
 
 
-def _groups(cells: Cells) -> tuple[HeldOut, Indices, Indices, int]:
-    """Return what is held out, the group of each cell, whose offset is its own, and the order of D in the fits."""
+@dataclass(frozen=True, eq=False)
+class Groups:
+    """What is held out of cells."""
+
+    held_out: HeldOut
+    number: Indices  # shape (c,): group of each cell
+    count: int  # of groups
+    offset: Indices  # shape (c,): number of what has an offset of its own
+    offsets: int  # how many have one
+    path_order: int  # Of D in the fits
+
+    @property
+    def shape(self) -> tuple[HeldOut, int, int, int]:
+        """What groups of several thermometers must share to be held out at once."""
+        return self.held_out, self.count, self.offsets, self.path_order
+
+
+def _groups(cells: Cells) -> Groups:
+    """Return what is held out."""
+    return cells.once("groups", lambda: _groups_found(cells))
+
+
+def _groups_found(cells: Cells) -> Groups:
     path_order = path_order_of(cells)
     if cells.runs >= RUNS:
-        return "runs", cells.run, cells.run, path_order if cells.paths_repeated else -1
+        return _numbered("runs", cells.run, path_order if cells.paths_repeated else -1)
     if len(np.unique(cells.ramp)) >= RAMPS:
-        return "ramps", cells.ramp, cells.ramp, -1
+        return _numbered("ramps", cells.ramp, -1)
     lo, hi = cells.range
     stretch = np.minimum(((cells.temperature - lo) / (hi - lo) * STRETCHES).astype(np.int64), STRETCHES - 1)
-    return "blocks", stretch, np.zeros(len(cells), dtype=np.int64), path_order
+    number = np.unique(stretch, return_inverse=True)[1]
+    return Groups("blocks", number, int(number.max()) + 1, np.zeros_like(number), 1, path_order)
 
 
-def _errors(cells: Cells, largest: int) -> tuple[HeldOut, Array]:
+def _numbered(held_out: HeldOut, labels: Indices, path_order: int) -> Groups:
+    number = np.unique(labels, return_inverse=True)[1]
+    count = int(number.max()) + 1
+    return Groups(held_out, number, count, number, count, path_order)
+
+
+def _errors(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array]]:
     """Return what is held out, and the mean square errors of prediction of it, (k, largest + 1, g), of all sensors.
 
-    Each group is predicted by the fit to the others, from the weighted moments of all groups.
+    Each group is predicted by the fit to the others, from the weighted moments of all groups. The cells of several
+    thermometers, of one shape, are taken end to end.
     """
-    held_out, groups, offsets, path_order = _groups(cells)
-    number = np.unique(groups, return_inverse=True)[1]
+    groups = [_groups(one) for one in cells]
+    units, each, first = len(cells), groups[0].count, groups[0]
+    turn = np.arange(units)[:, None]
+    number = (np.array([one.number for one in groups]) + each * turn).ravel()
     order = np.argsort(number, kind="stable")
-    starts, own = np.flatnonzero(np.diff(number[order], prepend=-1)), np.unique(offsets, return_inverse=True)[1]
-    columns = np.hstack([design(cells, largest, path_order, cells.range), cells.beside.T])
-    if own.any():  # less the weighted mean of each offset
-        total = np.bincount(own, cells.weight)
-        sums = [np.bincount(own, column * cells.weight) for column in columns.T]
+    starts = np.flatnonzero(np.diff(number[order], prepend=-1))
+    beside = np.array([one.beside for one in cells]).swapaxes(1, 2)
+    columns = np.concatenate([designs(cells, largest, first.path_order), beside], axis=2)
+    p = columns.shape[2] - beside.shape[2]
+    columns, weight = columns.reshape(-1, columns.shape[2]), np.concatenate([one.weight for one in cells])
+    if first.offsets > 1:  # less the weighted mean of each offset
+        own = (np.array([one.offset for one in groups]) + first.offsets * turn).ravel()
+        total = np.bincount(own, weight)
+        sums = [np.bincount(own, column * weight) for column in columns.T]
         columns = columns - (np.column_stack(sums) / total[:, None])[own]
-    columns, weights = columns[order], cells.weight[order]
-    weighted, p = columns * weights[:, None], columns.shape[1] - len(cells.beside)
-    moments = np.add.reduceat(columns[:, :p, None] * weighted[:, None, :], starts)
-    squares = np.add.reduceat(columns[:, p:] * weighted[:, p:], starts)
-    numbers = np.arange(len(starts))
-    tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers
-    left, rest = moments[tried], moments.sum(axis=0) - moments[tried]
-    found = _solved(rest[:, :, :p], rest[:, :, p:], largest)
-    bent = np.sum(found * (left[:, None, :, :p] @ found - 2.0 * left[:, None, :, p:]), axis=2)  # (groups, orders, k)
-    errors = np.maximum(squares[tried, None] + bent, 0.0).transpose(2, 1, 0)
-    return held_out, errors / np.add.reduceat(weights, starts)[tried]
+    columns, weight = columns[order], weight[order]
+    weighted = columns * weight[:, None]
+    moments = np.add.reduceat(columns[:, :p, None] * weighted[:, None, :], starts).reshape(units, each, p, -1)
+    squares = np.add.reduceat(columns[:, p:] * weighted[:, p:], starts).reshape(units, each, -1)
+    tried = slice(1, -1) if first.held_out == "blocks" and each > BLOCKS else slice(None)
+    left = moments[:, tried]
+    rest = moments.sum(axis=1, keepdims=True) - left
+    found = np.array([_solved(one[..., :p], one[..., p:], largest) for one in rest])
+    bent = np.sum(
+        found * (left[:, :, None, :, :p] @ found - 2.0 * left[:, :, None, :, p:]), axis=3
+    )  # (u, g, orders, k)
+    errors = np.maximum(squares[:, tried, None] + bent, 0.0).transpose(0, 3, 2, 1)
+    share = np.add.reduceat(weight, starts).reshape(units, each)[:, tried]
+    return [(first.held_out, one) for one in errors / share[:, None, None]]
 
 
 def _solved(square: Array, along: Array, largest: int) -> Array:

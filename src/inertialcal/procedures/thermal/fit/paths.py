@@ -22,6 +22,7 @@ lies within ``no_hysteresis``, else *unclear*.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -33,7 +34,7 @@ from ....statistics.clustered import clustered_contrasts
 from ....statistics.intervals import ends, t_interval
 from ....statistics.least_squares import fit
 from .cells import Cells
-from .law import Law, design, lag_column, series_rows
+from .law import Law, design, find_contrasts, lag_column, series_rows
 
 Word = Literal["yes", "no", "unclear"]
 
@@ -76,6 +77,11 @@ class Separated:
     hysteresis: PathEffect
     lag: PathEffect
     loops: int
+
+
+def find_differences(laws: Sequence[Law]) -> None:
+    """Find what `paths_of` wants of several judged laws that lie midway between two paths, alike at once."""
+    find_contrasts(laws, [_mean_over_paths(one, one.path_order)[None] for one in laws], paths=True)
 
 
 def paths_of(law: Law, apart: Separated, no_hysteresis: float | None = None) -> Paths:
@@ -190,8 +196,8 @@ def _columns(law: Law) -> tuple[Array, list[str], int]:
         scale = max(float(np.ptp(cells.time)), 1.0)
         return np.hstack([each * ((cells.time - middle[number]) / scale)[:, None], each[:, 1:]])
 
-    own, drift = design(cells, law.order, bent, law.domain), cells.once("drift and offset", by_run)
-    columns = np.column_stack([own, lag_column(cells, law.coefficients, law.domain), drift])
+    own, drift = design(cells, law.order, bent), cells.once("drift and offset", by_run)
+    columns = np.column_stack([own, lag_column(cells, law.coefficients), drift])
     names = [f"P{i}" for i in range(law.order + 1)] + [f"H{i}" for i in range(bent + 1)] + ["lag"]
     names += [f"drift {i}" for i in range(runs)] + [f"offset {i}" for i in range(1, runs)]
     return columns, names, law.order + bent + 2

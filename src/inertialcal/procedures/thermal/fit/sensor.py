@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -16,9 +16,9 @@ from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
 from .cells import Cells, Series, cells_of, joined, lagging
-from .law import Law, judged, law_of, series_rows, unjudged_law_of
-from .order import Choice, choose_order
-from .paths import Paths, paths_of, separated
+from .law import Law, gathered, judge, law_of, series_rows, unjudged_law_of, unjudged_laws_of
+from .order import Choice, choose_order, find_scores
+from .paths import Paths, Separated, find_differences, paths_of, separated
 from .start_up import StartUp, start_up_of
 
 ROUNDS, RESOLVED = 3, 2.0  # of the fit of a lag that stands out by so many standard uncertainties
@@ -46,41 +46,117 @@ class OfSensor:
         return self.law.cells
 
 
-def reduce_sensor(plan: Plan, readings: Readings, series: Series) -> OfSensor:
-    """Reduce one sensor.
+@dataclass(eq=False)
+class _Sensor:
+    """One sensor while it is reduced."""
 
-    Raises
-    ------
-    DataError
-        If nothing valid is left of it, or what is left lies at one temperature.
-    """
-    axis = series.axis
-    cells = cells_of(plan, series, plan.warm_up or 0.0)
-    first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
-    fitted = cache(unjudged_law_of)  # the first may be that of the order chosen
-    start_up = start_up_of(plan, series, cells, partial(fitted, cells, first))
-    if start_up.cut > (plan.warm_up or 0.0):
-        cells = cells_of(plan, series, start_up.cut)
-    choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
-    law = judged(fitted(cells, choice.order))
-    apart = separated(law)
-    for _ in range(ROUNDS):
-        lag = apart.lag
-        if lag.value is None or lag.u is None or not lag.value > RESOLVED * lag.u:
-            break
-        cells = lagging(plan, series, cells, lag.value, start_up.cut)
-        law = law_of(cells, choice.order, law.path_fit)
+    plan: Plan
+    readings: Readings
+    series: Series
+    start_up: StartUp
+    cells: Cells
+
+    @classmethod
+    def of(cls, plan: Plan, readings: Readings, series: Series) -> _Sensor:
+        """Return a sensor with its cells, the start-up cut."""
+        cells = cells_of(plan, series, plan.warm_up or 0.0)
+        first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
+        start_up = start_up_of(plan, series, cells, partial(unjudged_law_of, cells, first))
+        if start_up.cut > (plan.warm_up or 0.0):
+            cells = cells_of(plan, series, start_up.cut)
+        return cls(plan, readings, series, start_up, cells)
+
+    @property
+    def tried(self) -> int:
+        """Largest order that is tried."""
+        return max(_largest(self.cells, self.plan.largest_order), self.plan.order or 0)
+
+    def lagging(self, law: Law) -> tuple[Law, Separated]:
+        """Return the law with the rate of the temperature as a lag that stands out smooths it."""
         apart = separated(law)
-    paths = paths_of(law, apart, plan.no_hysteresis)
-    highest = min(choice.order + NEXT, _largest(cells, plan.largest_order + NEXT))
-    if choice.held_out != "given" and highest > choice.order:
-        law = replace(law, higher=unjudged_law_of(cells, highest))
-    references = _references(plan, readings, series, start_up.cut)
+        for _ in range(ROUNDS):
+            lag = apart.lag
+            if lag.value is None or lag.u is None or not lag.value > RESOLVED * lag.u:
+                break
+            self.cells = lagging(self.plan, self.series, self.cells, lag.value, self.start_up.cut)
+            law = law_of(self.cells, law.order, law.path_fit)
+            apart = separated(law)
+        return law, apart
+
+    def higher(self, choice: Choice) -> int | None:
+        """Return the higher order that the interval allows for; None where there is none."""
+        highest = min(choice.order + NEXT, _largest(self.cells, self.plan.largest_order + NEXT))
+        return highest if choice.held_out != "given" and highest > choice.order else None
+
+
+def reduce_sensors(tests: Sequence[tuple[Plan, Readings, Series]]) -> list[OfSensor | DataError]:
+    """Reduce sensors, of one unit or of many: those whose cells are of one shape at once.
+
+    A sensor is refused, its error in its place, if nothing valid is left of it, or what is left lies at one
+    temperature.
+    """
+    found: dict[int, OfSensor | DataError] = {}
+    sensors: dict[int, _Sensor] = {}
+    for i, test in enumerate(tests):
+        try:
+            sensors[i] = _Sensor.of(*test)
+        except DataError as error:
+            found[i] = error
+    every = [*sensors.values()]
+    for at in gathered(one.tried for one in every):
+        find_scores([every[k].cells for k in at], every[at[0]].tried)
+    choices = {i: choose_order(one.cells, one.tried, one.plan.order) for i, one in sensors.items()}
+    laws, refused = _laws({i: (one.cells, choices[i].order) for i, one in sensors.items()})
+    for (i, law), error in zip([*laws.items()], judge([*laws.values()]), strict=True):
+        if error is not None:
+            refused[i] = error
+            del laws[i]
+    apart: dict[int, Separated] = {}
+    for i, law in [*laws.items()]:
+        try:
+            laws[i], apart[i] = sensors[i].lagging(law)
+        except DataError as error:
+            refused[i] = error
+            del laws[i]
+    find_differences([one for one in laws.values() if one.midway])
+    wanted = {i: (sensors[i].cells, order) for i in laws if (order := sensors[i].higher(choices[i])) is not None}
+    higher, unfit = _laws(wanted)
+    refused |= unfit
+    for i, law in laws.items():
+        if i in unfit:
+            continue
+        try:
+            found[i] = _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart[i])
+        except DataError as error:
+            refused[i] = error
+    found |= refused
+    return [found[i] for i in range(len(tests))]
+
+
+def _laws(wanted: Mapping[int, tuple[Cells, int]]) -> tuple[dict[int, Law], dict[int, DataError]]:
+    """Return laws of cells and orders, by number, and why there is none."""
+    laws: dict[int, Law] = {}
+    refused: dict[int, DataError] = {}
+    numbers = [*wanted]
+    for kind in gathered(order for _, order in wanted.values()):
+        at = [numbers[k] for k in kind]
+        for i, law in zip(at, unjudged_laws_of([wanted[i][0] for i in at], wanted[at[0]][1]), strict=True):
+            if isinstance(law, DataError):
+                refused[i] = law
+            else:
+                laws[i] = law
+    return laws, refused
+
+
+def _found(one: _Sensor, law: Law, choice: Choice, apart: Separated) -> OfSensor:
+    plan, readings, series, start_up = one.plan, one.readings, one.series, one.start_up
     remarks = (
-        *disagreements(axis, law.cells, readings),
+        *disagreements(series.axis, law.cells, readings),
         *_without_ramp(readings, series),
-        *_remarks(plan, readings, axis, law, start_up),
+        *_remarks(plan, readings, series.axis, law, start_up),
     )
+    references = _references(plan, readings, series, start_up.cut)
+    paths = paths_of(law, apart, plan.no_hysteresis)
     return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
 
 
