@@ -216,8 +216,8 @@ MUTANTS = (
     ),
     Mutant(
         "least_squares.py",
-        "lost = s <= s[0] * max(white.shape) * np.finfo(float).eps",
-        "lost = s < 0.0 * s[0]",
+        "lost = s <= s[..., :1] * max(white.shape[-2:]) * np.finfo(float).eps",
+        "lost = s < 0.0 * s[..., :1]",
         "test_least_squares",
     ),
     Mutant(
@@ -228,8 +228,8 @@ MUTANTS = (
     ),
     Mutant(
         "least_squares.py",
-        "Decomposed(white, basis, rows.T / s / scale[:, None])",
-        "Decomposed(white, basis, rows.T / s / scale[None, :])",
+        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None])",
+        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None, :])",
         "test_least_squares",
     ),
     Mutant(
@@ -1199,11 +1199,11 @@ MUTANTS = (
     ),
     Mutant(
         "law.py",
-        "paths = 0.5 * cells.path[:, None]",
-        "paths = cells.path[:, None]",
+        "paths = 0.5 * np.array([one.path",
+        "paths = np.array([one.path",
         "test_thermal_law test_thermal_paths",
     ),
-    Mutant("law.py", "rows + 0.5 * spread[:, None] * (", "rows + spread[:, None] * (", "test_thermal_law"),
+    Mutant("law.py", "rows + 0.5 * spread[..., None] * (", "rows + spread[..., None] * (", "test_thermal_law"),
     Mutant(
         "cells.py",
         "free = np.maximum(count - 2.0, 1.0)",
@@ -1218,8 +1218,8 @@ MUTANTS = (
     ),
     Mutant(
         "order.py",
-        "@ found - 2.0 * left[:, None, :, p:])",
-        "@ found - left[:, None, :, p:])",
+        "@ found - 2.0 * left[:, :, None, :, p:])",
+        "@ found - left[:, :, None, :, p:])",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(
@@ -1230,8 +1230,8 @@ MUTANTS = (
     ),
     Mutant(
         "law.py",
-        "np.asarray(-slope * 2.0 / (domain[1] - domain[0]) * cells.rate)",
-        "np.asarray(slope * 2.0 / (domain[1] - domain[0]) * cells.rate)",
+        "np.asarray(-times(rows, slope) * (2.0",
+        "np.asarray(times(rows, slope) * (2.0",
         "test_thermal_paths",
     ),
     Mutant(

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import PlanError
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
-from inertialcal.sensors.thermal import change_variable, in_unit, over_temperature, over_voltage, powers_of
-from inertialcal.statistics.polynomial import Polynomial, from_monomials
+from inertialcal.sensors.thermal import change_variable, in_unit, over_temperature, over_voltage
+from inertialcal.statistics.polynomial import Polynomial, from_monomials, powers_from_series
 
 FINITE = st.floats(-3.0, 3.0)
 DPS_PER_VOLT = 2.0  # 0.5 V/(deg/s)
@@ -100,7 +100,7 @@ def test_degrees_and_volts_are_inverses() -> None:
 
 def test_powers_are_those_of_the_series() -> None:
     p = Polynomial(np.array([1.0, -2.0, 0.5, 0.25]), None, 0.0, (-30.0, 60.0))
-    powers = powers_of(3, p.domain, 20.0) @ p.coefficients
+    powers = powers_from_series(3, p.domain, 20.0) @ p.coefficients
     at = np.linspace(-30.0, 60.0, 9)
     assert np.polynomial.polynomial.polyval(at - 20.0, powers) == pytest.approx(p.values(at))
 

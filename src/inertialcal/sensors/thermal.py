@@ -16,12 +16,10 @@ References
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from ..core.errors import PlanError
-from ..core.estimate import Array
 from ..statistics.polynomial import Polynomial
 
 
@@ -95,15 +93,3 @@ def in_unit(polynomial: Polynomial, factor: float) -> Polynomial:
     """
     covariance = None if polynomial.covariance is None else polynomial.covariance * factor**2
     return replace(polynomial, coefficients=polynomial.coefficients * factor, covariance=covariance)
-
-
-@lru_cache(maxsize=64)
-def powers_of(order: int, domain: tuple[float, float], reference: float) -> Array:
-    """Return the matrix that takes a Chebyshev series to powers of ``x - reference``, read-only.
-
-    Shape (order + 1, order + 1).
-    """
-    unit = np.eye(order + 1)
-    found = np.column_stack([Polynomial(one, None, 0.0, domain).monomials(reference)[0] for one in unit])
-    found.flags.writeable = False
-    return found

@@ -17,7 +17,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.polynomial import polynomial as power
 from numpy.typing import ArrayLike
 
 from ..core.errors import DataError, PlanError
@@ -85,7 +84,7 @@ class Polynomial:
         covariance : ndarray, shape (order + 1, order + 1), or None
             Of these.
         """
-        change = _powers_from_series(self.order, self.domain, reference)
+        change = powers_from_series(self.order, self.domain, reference)
         covariance = None if self.covariance is None else change @ self.covariance @ change.T
         return change @ self.coefficients, covariance
 
@@ -174,7 +173,7 @@ def from_monomials(
     if powers.ndim != 1 or powers.size == 0 or not np.all(np.isfinite(powers)):
         raise DataError(f"coefficients {powers.tolist()}", do="Need one or more finite numbers")
     lo, hi = _checked_domain(domain)
-    change = np.linalg.inv(_powers_from_series(powers.size - 1, (lo, hi), reference))
+    change = np.linalg.inv(powers_from_series(powers.size - 1, (lo, hi), reference))
     series = None if covariance is None else change @ covariance @ change.T
     return Polynomial(change @ powers, series, dof if series is not None else 0.0, (lo, hi))
 
@@ -209,15 +208,19 @@ def _checked_domain(domain: tuple[float, float]) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=256)
-def _powers_from_series(order: int, domain: tuple[float, float], reference: float) -> Array:
-    """Matrix whose column j holds T_j as powers of x - reference, by T_(j+1) = 2 s T_j - T_(j-1)."""
+def powers_from_series(order: int, domain: tuple[float, float], reference: float) -> Array:
+    """Return the matrix that takes a Chebyshev series to powers of ``x - reference``, read-only.
+
+    Its column j holds T_j as such powers, by T_(j+1) = 2 s T_j - T_(j-1); shape (order + 1, order + 1).
+    """
     lo, hi = domain
-    s = np.array([(2.0 * reference - lo - hi) / (hi - lo), 2.0 / (hi - lo)])
-    series = [np.ones(1), s]
-    while len(series) <= order:
-        series.append(power.polysub(2.0 * power.polymul(s, series[-1]), series[-2]))
+    at, slope = (2.0 * reference - lo - hi) / (hi - lo), 2.0 / (hi - lo)
     change = np.zeros((order + 1, order + 1))
-    for j, powers in enumerate(series[: order + 1]):
-        change[: powers.size, j] = powers
+    change[0, 0] = 1.0
+    if order:
+        change[:2, 1] = at, slope
+    for j in range(2, order + 1):
+        change[:, j] = 2.0 * at * change[:, j - 1] - change[:, j - 2]
+        change[1:, j] += 2.0 * slope * change[:-1, j - 1]
     change.flags.writeable = False  # it is kept
     return change

@@ -16,8 +16,8 @@ from inertialcal.procedures.thermal.fit.cells import cells_of, series_of
 from inertialcal.procedures.thermal.fit.law import law_of
 from inertialcal.procedures.thermal.fit.order import choose_order
 from inertialcal.procedures.thermal.reduction import Readings, reduce
-from inertialcal.sensors.thermal import powers_of
 from inertialcal.statistics.intervals import contains
+from inertialcal.statistics.polynomial import powers_from_series
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 SMALL = 1e-9
@@ -30,7 +30,7 @@ def cubic(T: Array) -> Array:
 def test_a_noiseless_cubic_comes_back_to_its_coefficients() -> None:
     cells = cells_of(plan(), series_of(plan(), readings(cubic, gap=0.004), "x"))
     law = law_of(cells, 3)
-    found = powers_of(3, law.domain, 20.0) @ law.coefficients
+    found = powers_from_series(3, law.domain, 20.0) @ law.coefficients
     assert found == pytest.approx(CUBIC, rel=2e-3, abs=1e-9)  # a cell sees its mean to second order
     D, _, _ = law.path_contrasts(law.path_basis([-10.0, 20.0, 50.0]))
     assert list(D) == pytest.approx([0.004] * 3, rel=1e-3)
@@ -41,7 +41,7 @@ def test_a_noiseless_cubic_comes_back_to_its_coefficients() -> None:
 def test_bins_so_wide_that_the_curve_bends_inside_them_do_no_harm() -> None:
     wide = plan(bins=8)
     law = law_of(cells_of(wide, series_of(wide, readings(cubic), "x")), 3)
-    found = powers_of(3, law.domain, 20.0) @ law.coefficients
+    found = powers_from_series(3, law.domain, 20.0) @ law.coefficients
     assert found == pytest.approx(CUBIC, rel=0.02, abs=1e-9)
 
 
@@ -50,7 +50,7 @@ def test_the_mean_of_a_parabola_over_a_wide_bin_is_taken_exactly() -> None:
     wide, parabola = plan(bins=8), (0.03, -3e-3, 1.6e-5)
     sweeps = readings(lambda T: np.asarray(polynomial.polyval(T - 20.0, parabola)))
     law = law_of(cells_of(wide, series_of(wide, sweeps, "x")), 2)
-    assert powers_of(2, law.domain, 20.0) @ law.coefficients == pytest.approx(parabola, rel=1e-9)
+    assert powers_from_series(2, law.domain, 20.0) @ law.coefficients == pytest.approx(parabola, rel=1e-9)
 
 
 def test_a_slow_end_does_not_outweigh_the_rest() -> None:

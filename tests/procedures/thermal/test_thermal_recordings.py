@@ -14,7 +14,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
 from inertialcal.procedures.thermal.reduction import Readings, ThermalRecording, readings_from
-from inertialcal.sensors.thermal import powers_of
+from inertialcal.statistics.polynomial import powers_from_series
 
 BEGIN = 1_300_000_000
 SEED = 6
@@ -166,7 +166,7 @@ def test_the_published_way_gives_the_known_r_squares_of_the_real_record(real: Pa
 def test_the_polynomial_of_the_real_record_lies_between_its_paths(real: Path) -> None:
     found = ic.thermal(real, units=UNITS)
     one = found.result.sensors["y"]
-    powers = powers_of(one.law.order, one.law.domain, 20.0) @ one.law.coefficients
+    powers = powers_from_series(one.law.order, one.law.domain, 20.0) @ one.law.coefficients
     cells = one.cells
     value = np.polynomial.polynomial.polyval(25.0 - 20.0, powers)
     near = np.abs(cells.temperature - 25.0) < 2.0

@@ -28,7 +28,7 @@ from ...core.key import AXES, At, Key, Origin
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
-from ...sensors.thermal import powers_of
+from ...statistics.polynomial import powers_from_series
 from ..corrections import factor
 from .fit.law import Law
 from .fit.quantities import ORDER, Asked, earth_along, estimate, power_unit
@@ -127,7 +127,7 @@ def _earth(result: Result) -> Array:
 
 def _level(result: Result, law: Law) -> Array:
     """Return the row of what is not taken off, shape (order + 1,): of accelerometers what they read at T_ref."""
-    rows = powers_of(law.order, law.domain, result.plan.reference_temperature)[0]
+    rows = powers_from_series(law.order, law.domain, result.plan.reference_temperature)[0]
     return np.asarray(rows if result.readings.unit == "m/s^2" else np.zeros(law.order + 1))
 
 
@@ -181,7 +181,7 @@ def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Aske
     units = [unit] * len(warmth) + [power_unit(unit, "degC", j) for j in range(law.order + 1)]
 
     def rows(one: Law) -> Array:
-        powers = powers_of(one.order, one.domain, result.plan.reference_temperature)
+        powers = powers_from_series(one.order, one.domain, result.plan.reference_temperature)
         return np.vstack([one.basis(warmth) - _level(result, one), powers[: law.order + 1]])
 
     own = rows(law)
@@ -212,7 +212,7 @@ def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
     unit = bias.result.readings.unit
     earth = _earth(bias.result)
     for axis, one in bias.result.sensors.items():
-        powers = powers_of(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
+        powers = powers_from_series(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
         values = powers @ one.law.coefficients
         values[0] -= earth[AXES.index(axis)]
         for key, value in zip(law_keys(axis, one.law.order), values, strict=True):

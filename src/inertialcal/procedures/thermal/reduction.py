@@ -35,7 +35,7 @@ from ...core.show.tables import Block, html, text
 from .curves import curves
 from .fit.cells import Series, series_of
 from .fit.law import Law
-from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate
+from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate, find_asked
 from .fit.sensor import OfSensor, reduce_sensors
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .recordings import Readings, Sweep, ThermalRecording, readings_from
@@ -126,7 +126,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 
 def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
-    """Return the result of each unit as `reduce` gives it, or its refusal; sensors that are alike are fitted at once."""
+    """Return the result of each unit as `reduce` gives it, or its refusal; sensors alike are fitted at once."""
     problems: list[dict[str, Problem]] = [{} for _ in tests]
     series: list[tuple[int, Series]] = []
     for i, (plan, readings) in enumerate(tests):
@@ -145,16 +145,30 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             problems[i][one.axis] = found.problems[0]
         else:
             sensors[i][one.axis] = found
+    asked = [
+        {axis: asked_of(plan, one.law, axis, readings.unit) for axis in readings.axes if (one := own.get(axis))}
+        for (plan, readings), own in zip(tests, sensors, strict=True)
+    ]
+    find_asked(
+        [own[axis].law for own, each in zip(sensors, asked, strict=True) for axis in each],
+        [one for each in asked for one in each.values()],
+    )
     results: list[Result | InertialcalError] = []
-    for (plan, readings), own_sensors, own_problems in zip(tests, sensors, problems, strict=True):
+    for (plan, readings), *own_parts in zip(tests, sensors, asked, problems, strict=True):
         try:
-            results.append(_result(plan, readings, own_sensors, own_problems))
+            results.append(_result(plan, readings, *own_parts))
         except InertialcalError as error:
             results.append(error)
     return results
 
 
-def _result(plan: Plan, readings: Readings, sensors: dict[str, OfSensor], problems: Mapping[str, Problem]) -> Result:
+def _result(
+    plan: Plan,
+    readings: Readings,
+    sensors: Mapping[str, OfSensor],
+    asked: Mapping[str, list[Asked]],
+    problems: Mapping[str, Problem],
+) -> Result:
     """Return what was found of a unit.
 
     Raises
@@ -169,7 +183,6 @@ def _result(plan: Plan, readings: Readings, sensors: dict[str, OfSensor], proble
         raise DataError([replace(one, where=one.where or readings.where) for one in problems.values()])
     unit = readings.unit
     laws = {axis: one.law for axis, one in sensors.items()}
-    asked = {axis: asked_of(plan, law, axis, unit) for axis, law in laws.items()}
     single = {axis: law for axis, law in laws.items() if not law.midway}
     known = replace(plan, standards={**plan.standards, "sensor.hysteresis": Influence(0.0, unit)})
     reasons = {axis: Reason(problem.code, problem.what) for axis, problem in problems.items()}

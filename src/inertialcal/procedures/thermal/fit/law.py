@@ -180,6 +180,10 @@ class Law:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
         return self.scatter.once(_named(rows), lambda: _contrasts(self.scatter.of_fit, rows, 0))
 
+    def know_contrasts(self, rows: Array, found: tuple[Array, Array]) -> None:
+        """Remember what `contrasts` gives of some rows: part of what was found of more of them."""
+        self.scatter.once.keep(_named(rows), found)
+
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
         start, found = self.order + 1, self.scatter.of_path_fit

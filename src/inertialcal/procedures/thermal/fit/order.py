@@ -57,7 +57,7 @@ def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice
 
 
 def find_scores(cells: Sequence[Cells], largest: int) -> None:
-    """Find the scores of several thermometers that `choose_order` wants, those with as many cells and groups at once."""
+    """Find the scores of several thermometers that `choose_order` wants, those of one shape at once."""
     own = [cells[at[0]] for at in gathered(id(one.once) for one in cells)]
     shapes = [(one.beside.shape, *_groups(one).shape) for one in own]
     for at in gathered(shapes):

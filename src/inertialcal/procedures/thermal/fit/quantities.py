@@ -20,9 +20,10 @@ one path
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
+from itertools import compress
 from types import MappingProxyType
 
 import numpy as np
@@ -33,10 +34,10 @@ from ....core.influence import Influence
 from ....core.key import AXES, At, Key, Origin
 from ....core.units import normalise
 from ....physics.earth import OMEGA, earth_rate, level_to_table
-from ....sensors.thermal import over_voltage, powers_of
-from ....statistics.polynomial import Polynomial
+from ....sensors.thermal import over_voltage
+from ....statistics.polynomial import Polynomial, powers_from_series
 from ..plan import Attitude, Plan, Thermometer
-from .law import Law
+from .law import Law, find_contrasts
 
 SOURCES = {
     "run": "scatter between runs",
@@ -75,48 +76,58 @@ def power_unit(unit: str, by: str, power: int) -> str:
 
 def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias") -> list[Asked]:
     """Return what is wanted of a law: coefficients over temperature, values at temperatures, the same over volts."""
-    found = _by_order(plan, law, axis, unit, quantity)
-    if law.higher is None:
-        return found
-    other = {
-        key: row @ law.higher.coefficients
-        for one in _by_order(plan, law.higher, axis, unit, quantity)
-        for key, row in zip(one.keys, one.rows, strict=True)
-    }
+    inside = tuple(one for one in plan.at or () if law.domain[0] <= one <= law.domain[1])
+    thermometer = (plan.thermometers or {}).get(axis) if quantity == "bias" else None
+    scale = (plan.scale_factor or {}).get(axis)
+
+    def rows_of(one: Law) -> list[Array]:
+        found = [powers_from_series(one.order, one.domain, plan.reference_temperature)]
+        found += [one.basis(inside)] if inside else []
+        return found + ([] if thermometer is None else [_over_volts(one, thermometer, scale)])
+
+    own = rows_of(law)
+    labels = _labels(quantity, axis, unit, law.order, inside, scale is not None)
+    kept = [True, bool(inside), thermometer is not None]
+    higher = [None] * len(own) if law.higher is None else rows_of(law.higher)
     return [
-        replace(one, changes=np.array([other[key] for key in one.keys]) - one.rows @ law.coefficients) for one in found
-    ]
+        Asked(keys, units, rows, over,
+              None if more is None or law.higher is None
+              else more[: len(keys)] @ law.higher.coefficients - rows @ law.coefficients)
+        for (keys, units, over), rows, more in zip(compress(labels, kept), own, higher, strict=True)
+    ]  # fmt: skip
 
 
-def _by_order(plan: Plan, law: Law, axis: str, unit: str, quantity: str) -> list[Asked]:
-    powers = powers_of(law.order, law.domain, plan.reference_temperature)
-    keys = [Key(quantity, axis), *(Key(f"{quantity}_temperature", axis, power=j) for j in range(1, law.order + 1))]
-    units = tuple(power_unit(unit, "degC", j) for j in range(law.order + 1))
-    found = [Asked(tuple(keys), units, powers)]
-    inside = [one for one in plan.at or () if law.domain[0] <= one <= law.domain[1]]
-    if inside:
-        found.append(
-            Asked(
-                tuple(Key(quantity, axis, at=at_degrees(one)) for one in inside),
-                (unit,) * len(inside),
-                law.basis(inside),
-            )
-        )
-    thermometer = (plan.thermometers or {}).get(axis)
-    if thermometer is not None and quantity == "bias":
-        found.append(_over_volts(law, axis, unit, thermometer, (plan.scale_factor or {}).get(axis)))
-    return found
+def find_asked(laws: Sequence[Law], asked: Sequence[Sequence[Asked]]) -> None:
+    """Find what `estimate` wants of judged laws, of many units, alike at once; also of their coefficients alone."""
+    rows = [_joined(one).rows for one in asked]
+    find_contrasts(laws, rows)
+    for law, every, (first, *_) in zip(laws, rows, asked, strict=True):
+        covariance, dof = law.contrasts(every)
+        m = len(first.rows)
+        law.know_contrasts(first.rows, (covariance[:m, :m], dof[:m]))
 
 
-def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_unit: float | None) -> Asked:
-    """Return the coefficients over the channel's volts, in volts where the scale factor is known."""
+@lru_cache(maxsize=256)
+def _labels(
+    quantity: str, axis: str, unit: str, order: int, at: tuple[float, ...], in_volts: bool
+) -> tuple[tuple[tuple[Key, ...], tuple[str, ...], bool], ...]:
+    """Return keys, units and whether they hold over temperature: of the coefficients, of values, and over volts."""
+    powers, own = range(order + 1), "V" if in_volts else unit
+    keys = (Key(quantity, axis), *(Key(f"{quantity}_temperature", axis, power=j) for j in powers[1:]))
+    return (
+        (keys, tuple(power_unit(unit, "degC", j) for j in powers), True),
+        (tuple(Key(quantity, axis, at=at_degrees(one)) for one in at), (unit,) * len(at), True),
+        (tuple(Key("bias_voltage", axis, power=j) for j in powers), tuple(power_unit(own, "V", j) for j in powers),
+         False),
+    )  # fmt: skip
+
+
+def _over_volts(law: Law, channel: Thermometer, volts_per_unit: float | None) -> Array:
+    """Return the rows of the coefficients over the channel's volts, in volts where the scale factor is known."""
     blank = Polynomial(np.ones(law.order + 1), None, 0.0, law.domain)
     volts = over_voltage(blank, channel.slope, channel.voltage, channel.temperature)
-    rows = powers_of(law.order, volts.domain, 0.0) * volts.coefficients  # odd ones turned by a negative slope
-    keys = tuple(Key("bias_voltage", axis, power=j) for j in range(law.order + 1))
-    own, scale = ("V", volts_per_unit) if volts_per_unit is not None else (unit, 1.0)
-    units = tuple(power_unit(own, "V", j) for j in range(law.order + 1))
-    return Asked(keys, units, scale * rows, by_temperature=False)
+    rows = powers_from_series(law.order, volts.domain, 0.0) * volts.coefficients  # odd ones turned by a negative slope
+    return rows if volts_per_unit is None else volts_per_unit * rows
 
 
 def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
@@ -138,20 +149,6 @@ def _at(quantity: str, plan: Plan, law: Law, axis: str, unit: str, rows: Array, 
     return found if found is not None and len(found.names) == len(rows) else None
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """Known values of one law: keys, values, units, Type A covariance and dof, Type B changes by source."""
-
-    keys: list[Key]
-    values: Array
-    units: list[str]
-    covariance: Array
-    dof: Array
-    changes: Mapping[str, Array]
-    level: str
-    choice: Array  # What a higher order of P changes
-
-
 def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked]], unit: str) -> Estimate | None:
     """Return all quantities of all sensors; None where nothing can be told.
 
@@ -168,55 +165,62 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
     unit : {"rad/s", "m/s^2", "V"}
         Of the readings.
     """
-    parts = [_part(plan, law, axis, one, unit) for axis, law in laws.items() for one in [_joined(asked[axis])]]
-    parts = [one for one in parts if one.keys]
-    if not parts:
+    parts = [(law, _joined(asked[axis])) for axis, law in laws.items()]
+    found = [law.contrasts(one.rows) for law, one in parts]
+    sizes = [len(one.keys) for _, one in parts]
+    stops = np.cumsum(sizes).tolist()
+    every, blocks = stops[-1], [slice(stop - size, stop) for stop, size in zip(stops, sizes, strict=True)]
+    dof = np.concatenate([one for _, one in found])
+    known, keys = dof > 0.0, [key for _, one in parts for key in one.keys]
+    gap = plan.standards.get("sensor.hysteresis")
+    hidden = [unit == "m/s^2" or (unit != "V" and not law.midway and gap is None) for law, _ in parts]
+    if any(hidden):
+        known &= ~(np.repeat(hidden, sizes) & np.array([_is_level(key) for key in keys]))
+    if not known.any():
         return None
-    keys = tuple(key for part in parts for key in part.keys)
-    components = [_type_a(plan, parts, len(keys)), *_type_b(plan, parts, unit)]
-    choice, start = np.zeros((len(parts), len(keys))), 0  # a row a sensor
-    for row, part in zip(choice, parts, strict=True):
-        row[start : start + len(part.keys)] = part.choice
-        start += len(part.keys)
+    covariance, choice = np.zeros((every, every)), np.zeros((len(parts), every))  # a row a sensor
+    for k, ((_, one), block) in enumerate(zip(parts, blocks, strict=True)):
+        covariance[block, block] = 0.5 * (found[k][0] + found[k][0].T)
+        if one.changes is not None:
+            choice[k, block] = one.changes
+    raw = np.concatenate([one.rows @ law.coefficients for law, one in parts])
+    constant = np.concatenate([one.rows[:, 0] for _, one in parts])
+    at = np.repeat([AXES.index(axis) for axis in laws], sizes)
+    earth, unknown = earth_along(plan) if unit == "rad/s" else (np.zeros(len(AXES)), {})
+    values, units = raw - earth[at] * constant, [each for _, one in parts for each in one.units]
+    seen = [law for (law, _), block in zip(parts, blocks, strict=True) if known[block].any()]
+    type_b = {f"earth rate: {name}": (one.influence, -one.patterns[:, at] * constant) for name, one in unknown.items()}
+    thermometer, reference = (plan.standards.get(one) for one in ("thermometer.temperature", "converter.reference"))
+    if thermometer is not None and any(law.order for law in seen):
+        slope = np.concatenate([one.rows @ _slope(law) for law, one in parts])
+        over = np.repeat([part.by_temperature for axis in laws for part in asked[axis]],
+                         [len(part.keys) for axis in laws for part in asked[axis]])  # fmt: skip
+        type_b["thermometer"] = thermometer, -(thermometer.u * over * slope)[None]
+    if reference is not None:
+        type_b["converter reference"] = reference, (reference.u * raw)[None]
+    if gap is not None and unit != "V" and not all(law.midway for law in seen):
+        one_path = np.repeat([not law.midway for law, _ in parts], sizes)
+        type_b["path not seen"] = gap, (0.5 * gap.u * constant * one_path)[None]
+    if not known.all():
+        covariance, dof, values, choice = covariance[np.ix_(known, known)], dof[known], values[known], choice[:, known]
+        type_b = {name: (one, changes[:, known]) for name, (one, changes) in type_b.items()}
+        keys, units = [*compress(keys, known)], [*compress(units, known)]
+    levels = {plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level for law in seen}
+    level = levels.pop() if len(levels) == 1 else "highest"
+    components = [Component(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")]
     if choice.any():
-        components.insert(1, Component(ORDER, "A", choice.T @ choice))
-    values = np.concatenate([part.values for part in parts])
-    return Estimate(keys, values, tuple(u for part in parts for u in part.units), tuple(components))
+        components.append(Component(ORDER, "A", choice.T @ choice))
+    components += [_type_b(source, *one) for source, one in type_b.items()]
+    return Estimate(tuple(keys), values, tuple(units), tuple(components))
 
 
-def _joined(asked: Iterable[Asked]) -> tuple[Asked, Array]:
-    every = list(asked)
-    over = np.concatenate([np.full(len(one.rows), one.by_temperature) for one in every])
-    keys = tuple(key for one in every for key in one.keys)
-    changes = None if every[0].changes is None else np.concatenate([one.changes for one in every])
-    rows, units = np.vstack([one.rows for one in every]), tuple(u for one in every for u in one.units)
-    return Asked(keys, units, rows, changes=changes), over
-
-
-def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: str) -> _Part:
-    asked, over = joined
-    covariance, dof = law.contrasts(asked.rows)
-    constant = asked.rows[:, 0]
-    known = dof > 0.0
-    if unit == "m/s^2":
-        known &= np.array([not _is_level(key) for key in asked.keys])
-    if unit != "V" and not law.midway and "sensor.hysteresis" not in plan.standards:
-        known &= np.array([not _is_level(key) for key in asked.keys])
-    raw = asked.rows @ law.coefficients
-    at = AXES.index(axis)
-    earth, unknown = earth_along(plan) if unit == "rad/s" else (np.zeros(3), {})
-    changes = {f"earth rate: {name}": -np.outer(one.patterns[:, at], constant) for name, one in unknown.items()}
-    changes |= _own_changes(plan, law, asked.rows, over, raw, unit)
-    return _Part(
-        [key for key, keep in zip(asked.keys, known, strict=True) if keep],
-        (raw - earth[at] * constant)[known],
-        [one for one, keep in zip(asked.units, known, strict=True) if keep],
-        covariance[np.ix_(known, known)],
-        dof[known],
-        {name: change[:, known] for name, change in changes.items()},
-        (plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level),
-        (np.zeros(len(raw)) if asked.changes is None else asked.changes)[known],
-    )
+def _joined(asked: Sequence[Asked]) -> Asked:
+    if len(asked) == 1:
+        return asked[0]
+    keys = tuple(key for one in asked for key in one.keys)
+    changes = None if asked[0].changes is None else np.concatenate([one.changes for one in asked])
+    rows, units = np.concatenate([one.rows for one in asked]), tuple(u for one in asked for u in one.units)
+    return Asked(keys, units, rows, changes=changes)
 
 
 def _is_level(key: Key) -> bool:
@@ -224,58 +228,17 @@ def _is_level(key: Key) -> bool:
     return key.quantity in ("bias", "bias_voltage") and key.power == 0
 
 
-def _own_changes(plan: Plan, law: Law, rows: Array, over: Array, raw: Array, unit: str) -> dict[str, Array]:
-    """Change of the values for one standard uncertainty of thermometer, converter and the path not seen, (1, m)."""
-    found = {}
-    thermometer = plan.standards.get("thermometer.temperature")
-    if thermometer is not None and law.order:
-        slope = np.append(chebyshev.chebder(law.coefficients), 0.0) * 2.0 / (law.domain[1] - law.domain[0])
-        found["thermometer"] = -(thermometer.u * over * (rows @ slope))[None]
-    reference = plan.standards.get("converter.reference")
-    if reference is not None:
-        found["converter reference"] = (reference.u * raw)[None]
-    gap = plan.standards.get("sensor.hysteresis")
-    if gap is not None and not law.midway and unit != "V":
-        found["path not seen"] = (0.5 * gap.u * rows[:, 0])[None]
-    return found
+def _slope(law: Law) -> Array:
+    """Return what P rises by with the temperature, as a series, shape (order + 1,)."""
+    rises = np.append(chebyshev.chebder(law.coefficients), 0.0) if law.order else np.zeros(1)
+    return np.asarray(rises * 2.0 / (law.domain[1] - law.domain[0]))
 
 
-def _type_a(plan: Plan, parts: list[_Part], size: int) -> Component:
-    covariance, dof, start = np.zeros((size, size)), np.empty(size), 0
-    for part in parts:
-        block = slice(start, start + len(part.keys))
-        covariance[block, block] = 0.5 * (part.covariance + part.covariance.T)
-        dof[block] = part.dof
-        start += len(part.keys)
-    levels = {part.level for part in parts}
-    level = levels.pop() if len(levels) == 1 else "highest"
-    return Component(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")
-
-
-def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
-    influences = {
-        "thermometer": plan.standards.get("thermometer.temperature"),
-        "converter reference": plan.standards.get("converter.reference"),
-        "path not seen": plan.standards.get("sensor.hysteresis"),
-    }
-    if unit == "rad/s":
-        influences |= {f"earth rate: {name}": one.influence for name, one in earth_along(plan)[1].items()}
-    found = []
-    for source in dict.fromkeys(name for part in parts for name in part.changes):
-        widths = [len(part.keys) for part in parts]
-        deep = max(len(part.changes[source]) for part in parts if source in part.changes)
-        whole = np.hstack(
-            [part.changes.get(source, np.zeros((deep, n))) for part, n in zip(parts, widths, strict=True)]
-        )
-        covariance = whole.T @ whole
-        one = influences[source]
-        assert one is not None  # noqa: S101 - a change has its influence
-        found.append(
-            Component(
-                one.origin(source), "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated, whole
-            )
-        )
-    return found
+def _type_b(source: str, influence: Influence, changes: Array) -> Component:
+    """Return a source by its changes of the values, one standard uncertainty of an unknown a row."""
+    covariance = changes.T @ changes
+    return Component(influence.origin(source), "B", 0.5 * (covariance + covariance.T), influence.dof,
+                     influence.distribution, influence.stated, changes)  # fmt: skip
 
 
 STEP = 1e-4  # [rad], of the differences

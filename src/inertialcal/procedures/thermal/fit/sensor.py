@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from .order import Choice, choose_order, find_scores
 from .paths import Paths, Separated, find_differences, paths_of, separated
 from .start_up import StartUp, start_up_of
 
+R = TypeVar("R")
 ROUNDS, RESOLVED = 3, 2.0  # of the fit of a lag that stands out by so many standard uncertainties
 NEXT = 2  # orders above the one chosen that the interval allows for
 BINS_AN_ORDER = 3  # that a polynomial needs for each order
@@ -95,48 +97,42 @@ def reduce_sensors(tests: Sequence[tuple[Plan, Readings, Series]]) -> list[OfSen
     A sensor is refused, its error in its place, if nothing valid is left of it, or what is left lies at one
     temperature.
     """
-    found: dict[int, OfSensor | DataError] = {}
-    sensors: dict[int, _Sensor] = {}
-    for i, test in enumerate(tests):
-        try:
-            sensors[i] = _Sensor.of(*test)
-        except DataError as error:
-            found[i] = error
-    every = [*sensors.values()]
-    for at in gathered(one.tried for one in every):
-        find_scores([every[k].cells for k in at], every[at[0]].tried)
-    choices = {i: choose_order(one.cells, one.tried, one.plan.order) for i, one in sensors.items()}
-    laws, refused = _laws({i: (one.cells, choices[i].order) for i, one in sensors.items()})
-    for (i, law), error in zip([*laws.items()], judge([*laws.values()]), strict=True):
-        if error is not None:
-            refused[i] = error
-            del laws[i]
-    apart: dict[int, Separated] = {}
-    for i, law in [*laws.items()]:
-        try:
-            laws[i], apart[i] = sensors[i].lagging(law)
-        except DataError as error:
-            refused[i] = error
-            del laws[i]
-    find_differences([one for one in laws.values() if one.midway])
-    wanted = {i: (sensors[i].cells, order) for i in laws if (order := sensors[i].higher(choices[i])) is not None}
-    higher, unfit = _laws(wanted)
-    refused |= unfit
-    for i, law in laws.items():
-        if i in unfit:
-            continue
-        try:
-            found[i] = _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart[i])
-        except DataError as error:
-            refused[i] = error
-    found |= refused
-    return [found[i] for i in range(len(tests))]
-
-
-def _laws(wanted: Mapping[int, tuple[Cells, int]]) -> tuple[dict[int, Law], dict[int, DataError]]:
-    """Return laws of cells and orders, by number, and why there is none."""
-    laws: dict[int, Law] = {}
     refused: dict[int, DataError] = {}
+    sensors = _made(range(len(tests)), lambda i: _Sensor.of(*tests[i]), refused)
+    numbers = [*sensors]
+    for kind in gathered(one.tried for one in sensors.values()):
+        own = [sensors[numbers[k]] for k in kind]
+        find_scores([one.cells for one in own], own[0].tried)
+    choices = {i: choose_order(one.cells, one.tried, one.plan.order) for i, one in sensors.items()}
+    laws = _laws({i: (one.cells, choices[i].order) for i, one in sensors.items()}, refused)
+    refused |= {i: error for i, error in zip(laws, judge([*laws.values()]), strict=True) if error is not None}
+    final = _made((i for i in laws if i not in refused), lambda i: sensors[i].lagging(laws[i]), refused)
+    find_differences([law for law, _ in final.values() if law.midway])
+    wanted = {i: (sensors[i].cells, order) for i in final if (order := sensors[i].higher(choices[i])) is not None}
+    higher = _laws(wanted, refused)
+
+    def finished(i: int) -> OfSensor:
+        law, apart = final[i]
+        return _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart)
+
+    found = _made((i for i in final if i not in refused), finished, refused)
+    return [found[i] if i in found else refused[i] for i in range(len(tests))]
+
+
+def _made(numbers: Iterable[int], make: Callable[[int], R], refused: dict[int, DataError]) -> dict[int, R]:
+    """Return what is made of each number; a refusal is put with the others."""
+    found: dict[int, R] = {}
+    for i in numbers:
+        try:
+            found[i] = make(i)
+        except DataError as error:
+            refused[i] = error
+    return found
+
+
+def _laws(wanted: Mapping[int, tuple[Cells, int]], refused: dict[int, DataError]) -> dict[int, Law]:
+    """Return laws of cells and orders, by number; a refusal is put with the others."""
+    laws: dict[int, Law] = {}
     numbers = [*wanted]
     for kind in gathered(order for _, order in wanted.values()):
         at = [numbers[k] for k in kind]
@@ -145,7 +141,7 @@ def _laws(wanted: Mapping[int, tuple[Cells, int]]) -> tuple[dict[int, Law], dict
                 refused[i] = law
             else:
                 laws[i] = law
-    return laws, refused
+    return laws
 
 
 def _found(one: _Sensor, law: Law, choice: Choice, apart: Separated) -> OfSensor:
