@@ -156,7 +156,7 @@ class _Judged:
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
         self.odd = {s: off.copy() for s, off in self.off.items()}
         alone = {(k, s): one for k in range(len(self.sets)) for s, one in self._scales(k).items()}
-        self.scales = {key: self._lent(key, alone) for key in alone}
+        self.scales = self._lent(alone)
         spread = self._spreads()
         scale = np.zeros_like(self.slope)
         for k, one in enumerate(self.sets):
@@ -214,14 +214,21 @@ class _Judged:
             found.update(zip(sensors, zip(scale.tolist(), dof.tolist(), strict=True), strict=True))
         return {sensor: found[sensor] for sensor in self.sensors}
 
-    def _lent(self, key: tuple[int, str], alone: Mapping[tuple[int, str], tuple[float, float]]) -> tuple[float, float]:
-        """Return a scale with its degrees of freedom; one that rests on little is not below what is usual."""
-        scale, dof = alone[key]
-        if dof >= SURE:
-            return scale, dof
-        own = self.runs[self.sets[key[0]][0]].axis == key[1]
-        like = [one for (k, s), one in alone.items() if (self.runs[self.sets[k][0]].axis == s) == own and one[1] > 0.0]
-        return (max(scale, median(one for one, _ in like)), sum(one for _, one in like)) if like else (scale, dof)
+    def _lent(self, alone: Mapping[tuple[int, str], tuple[float, float]]) -> dict[tuple[int, str], tuple[float, float]]:
+        """Return scales with their degrees of freedom; one that rests on little is not below what is usual."""
+        if all(dof >= SURE for _, dof in alone.values()):
+            return dict(alone)
+        axes = [self.runs[one[0]].axis for one in self.sets]
+        usual: dict[bool, tuple[float, float]] = {}
+        for own in (True, False):
+            like = [one for (k, s), one in alone.items() if (axes[k] == s) == own and one[1] > 0.0]
+            if like:
+                usual[own] = median(scale for scale, _ in like), sum(dof for _, dof in like)
+        found = {}
+        for (k, s), (scale, dof) in alone.items():
+            least, shared = usual.get(axes[k] == s, (scale, dof))
+            found[k, s] = (scale, dof) if dof >= SURE else (max(scale, least), shared)
+        return found
 
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""
@@ -348,6 +355,8 @@ class _Judged:
             others, bend = max(others, abs(lower_off)), max(bend, (next_rate / rate) ** 3)
             step = max(step, abs((top - lower) / (rate - next_rate)))
         largest, fitted = highest.largest, 2 * len(self.sets[k])
+        if not (least > CLIPPED * largest and (others < CUBIC * bend * least or step < HELD)):
+            return None
         x = np.abs(self.applied[highest.rows])
         inner = [off[highest.rows[x < (1.0 - SAME_RATE) * rate]] for rate in (abs(highest.ways[1][1][0]), largest)]
         rest = next((one for one in inner if len(one) > fitted), None)
@@ -355,22 +364,21 @@ class _Judged:
             return None
         dof = float(len(rest) - fitted)
         noise = float(np.sqrt(np.sum(rest**2) / dof)) * t_quantile(dof, 1.0 - FALSE_ALARM / 10.0)
-        clear = least > max(CLIPPED * largest, noise)
-        return np.array(ends) if clear and (others < CUBIC * bend * least or step < HELD) else None
+        return np.array(ends) if least > noise else None
 
     def single_readings(self) -> Iterator[Remark]:
         """Yield readings that are off the line of their run, unlike the others at their rate."""
         count = sum(np.isfinite(off).sum() for off in self.off.values())
         p = FALSE_ALARM * 0.25 / max(float(count), 1.0)
         for k, one in enumerate(self.sets):
+            at = np.concatenate([self.runs[i].at for i in one])
             for sensor in self.sensors:
                 scale, dof = self.scales[k, sensor]
                 if dof <= 0.0 or scale <= 0.0:  # coarse readings may not scatter at all
                     continue
-                limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
-                at = np.concatenate([self.runs[i].at for i in one])
-                if not np.any(self.used[sensor][at] & (np.abs(self.odd[sensor][at]) > limit)):
+                if not np.any(self.used[sensor][at] & (np.abs(self.odd[sensor][at]) > FEWEST_SCATTERS * scale)):
                     continue
+                limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
                 for i in one:
                     if not self.named[i]:
                         yield from self._odd_readings(self.runs[i], sensor, limit, scale, len(one))

@@ -21,9 +21,12 @@ converter reference
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.estimate import Array, Component, Estimate
 from ....core.key import AXES, Key, Origin
@@ -87,7 +90,7 @@ def _chosen(part: Part, wanted: list[Key]) -> Part:
     """Return what a part says of some of its quantities."""
     keys, values, jacobian, about = part
     at = [i for i, key in enumerate(keys) if key in wanted]
-    return [keys[i] for i in at], values[at], jacobian[at], [about[i] for i in at]
+    return [keys[i] for i in at], values[at], jacobian[at], about[at]
 
 
 def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]:
@@ -112,52 +115,62 @@ def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]
     return found
 
 
-Part = tuple[list[Key], Array, Array, list[int]]
+Part = tuple[Sequence[Key], Array, Array, NDArray[np.intp]]
 
 
 def quantities_of(one: Line) -> Part:
     """Return keys, values and Jacobian of the quantities, and the coefficient that each is mainly about.
 
-    A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out.
+    A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out. Of a sensor
+    that is silent only its bias is given.
     """
-    keys, values, jacobian, about = _all_quantities(one)
-    keep = [i for i, at in enumerate(about) if one.dof[at] > 0.0]
-    return [keys[i] for i in keep], values[keep], jacobian[keep], [about[i] for i in keep]
+    theta = one.fit.coefficients
+    own = one.names.index(f"M_{one.sensor}{one.sensor}") if one.sensor in one.axes else None
+    silent = is_silent(one)
+    slope = 0.0 if own is None or silent else float(theta[own])
+    told = tuple((one.dof > 0.0).tolist())
+    layout = _layout(one.sensor, one.axes, one.names, silent, slope != 0.0, told)
+    by_own = layout.factor / (slope or 1.0) ** layout.power
+    values = theta[layout.about] * by_own - layout.ideal
+    jacobian = np.zeros((len(values), len(theta)))
+    jacobian[layout.rows, layout.about] = by_own
+    if own is not None and slope:
+        bent = layout.power > 0
+        jacobian[bent, own] = (-layout.power * values / slope)[bent]
+    return layout.keys, values, jacobian, layout.about
 
 
-def _all_quantities(one: Line) -> Part:
-    """Return what ``quantities_of`` chooses from; of a sensor that is silent only its bias."""
-    s, theta = one.sensor, [float(value) for value in one.fit.coefficients]
-    own = one.names.index(f"M_{s}{s}") if s in one.axes else None
-    slope = 0.0 if own is None else theta[own]
-    # Quantity, the coefficient it is about, its value and its derivatives by that and by the sensor's own response
-    found: list[tuple[Key, int, float, float, float]] = [(Key("bias", s), 0, theta[0], 1.0, 0.0)]
-    axes = () if is_silent(one) else one.axes
-    slope = slope if axes else 0.0
-    if own is not None and axes:
-        found.append((Key("scale_factor_error", s), own, slope - 1.0, 1.0, 0.0))
-    if one.asymmetry and slope != 0.0:
-        at = one.names.index("c")
-        value = 2.0 * theta[at] / slope
-        found.append((Key("scale_factor_asymmetry", s), at, value, 2.0 / slope, -value / slope))
-    for name in one.curvature if slope != 0.0 else ():
-        at, power = one.names.index(name), POWERS[name]
-        value = theta[at] / slope**power
-        found.append((Key(CURVATURES[name], s), at, value, 1.0 / slope**power, -power * value / slope))
-    for axis in axes:
-        if axis == s:
-            continue
-        at = one.names.index(f"M_{s}{axis}")
-        found.append((Key("cross_axis_sensitivity", s + axis), at, theta[at], 1.0, 0.0))
-        if slope != 0.0:
-            value = theta[at] / slope
-            found.append((Key("misalignment", s + axis), at, value, 1.0 / slope, -value / slope))
-    jacobian = np.zeros((len(found), len(theta)))
-    for i, (_, at, _, by_own, by_slope) in enumerate(found):
-        jacobian[i, at] = by_own
-        if by_slope and own is not None:
-            jacobian[i, own] = by_slope
-    return [key for key, *_ in found], np.array([one[2] for one in found]), jacobian, [at for _, at, *_ in found]
+class _Layout(NamedTuple):
+    """Quantities of a line: ``factor * coefficient / slope**power - ideal``, shape (m,) each."""
+
+    keys: tuple[Key, ...]
+    about: NDArray[np.intp]  # the coefficient
+    rows: NDArray[np.intp]
+    power: Array
+    factor: Array
+    ideal: Array
+
+
+@lru_cache(maxsize=64)  # the same of all units that are turned alike
+def _layout(
+    s: str, axes: tuple[str, ...], names: tuple[str, ...], silent: bool, responds: bool, told: tuple[bool, ...]
+) -> _Layout:
+    """Return the quantities of a line by the names of its coefficients, of those that are told of alone."""
+    found: list[tuple[Key, int, float, float, float]] = [(Key("bias", s), 0, 0.0, 1.0, 0.0)]
+    if s in axes and not silent:
+        found.append((Key("scale_factor_error", s), names.index(f"M_{s}{s}"), 0.0, 1.0, 1.0))
+    if "c" in names and responds:
+        found.append((Key("scale_factor_asymmetry", s), names.index("c"), 1.0, 2.0, 0.0))
+    for name in (name for name in POWERS if name in names and responds):
+        found.append((Key(CURVATURES[name], s), names.index(name), float(POWERS[name]), 1.0, 0.0))
+    for axis in (axis for axis in axes if axis != s and not silent):
+        at = names.index(f"M_{s}{axis}")
+        found.append((Key("cross_axis_sensitivity", s + axis), at, 0.0, 1.0, 0.0))
+        if responds:
+            found.append((Key("misalignment", s + axis), at, 1.0, 1.0, 0.0))
+    found = [one for one in found if told[one[1]]]
+    about, power, factor, ideal = (np.array([one[i] for one in found]) for i in range(1, 5))
+    return _Layout(tuple(one[0] for one in found), about.astype(np.intp), np.arange(len(found)), power, factor, ideal)
 
 
 SOURCES = {

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ class Once:
         """Return what stands under a name, made where there is none yet."""
         if what not in self._found:
             self._found[what] = make()
-        return cast("R", self._found[what])
+        return self._found[what]  # type: ignore[return-value]  # what its own maker gave
 
     def __contains__(self, what: Hashable) -> bool:
         """Whether something stands under a name."""
@@ -537,6 +537,8 @@ def _ends(cells: Cells, series: Series) -> tuple[float, float]:
 
 def _taken(cells: Cells, keep: Mask) -> Cells:
     rows = ("temperature", "spread", "reading", "scatter", "samples", "rate", "time", "path", "run", "ramp", "bin")
+    if keep.all():
+        return replace(cells, once=Once())
     kept = {name: getattr(cells, name)[keep] for name in rows}
     return replace(cells, weight=cells.weight[keep], beside=cells.beside[:, keep], once=Once(), **kept)
 

@@ -366,8 +366,8 @@ def lag_column(cells: Cells, coefficients: Array) -> Array:
 def lag_columns(cells: Sequence[Cells], coefficients: Array) -> Array:
     """Return the same of several sensors: slopes by P of shape (s, order + 1); shape (s, c)."""
     ends, at = _ends(cells), _scaled_each(cells)
-    slope = chebyshev.chebder(coefficients, axis=1)
-    rows = chebyshev.chebvander(at, slope.shape[1] - 1)
+    slope = coefficients @ _rising(coefficients.shape[1] - 1)
+    rows = _series(at, slope.shape[1] - 1)
     rate = np.array([one.rate for one in cells])
     return np.asarray(-times(rows, slope) * (2.0 / (ends[:, 1:] - ends[:, :1])) * rate)
 
@@ -439,7 +439,7 @@ def designs(cells: Sequence[Cells], order: int, path_order: int) -> Array:
     Chebyshev rows, mean over the spread of each cell to second order.
     """
     ends, highest = _ends(cells), max(order, path_order)
-    rows = chebyshev.chebvander(_scaled_each(cells), highest)
+    rows = _series(_scaled_each(cells), highest)
     if highest >= 2:
         spread = np.array([one.spread for one in cells]) * (2.0 / (ends[:, 1:] - ends[:, :1])) ** 2
         rows = rows + 0.5 * spread[..., None] * (rows[..., : highest - 1] @ _bent(highest))
@@ -458,6 +458,19 @@ def _scaled_each(cells: Sequence[Cells]) -> Array:
     return np.asarray((2.0 * np.array([one.temperature for one in cells]) - low - high) / (high - low))
 
 
+def slope_of(law: Law) -> Array:
+    """Return what P rises by with the temperature, as such a series, shape (order + 1,)."""
+    slope = np.zeros(law.order + 1)
+    slope[:-1] = law.coefficients @ _rising(law.order) if law.order else ()
+    return np.asarray(slope * 2.0 / (law.domain[1] - law.domain[0]))
+
+
+@cache
+def _rising(order: int) -> Array:
+    """Return what first derivatives of the series are of the series, shape (order + 1, order)."""
+    return np.asarray(chebyshev.chebder(np.eye(order + 1)).T)
+
+
 @cache
 def _bent(order: int) -> Array:
     """Return what second derivatives of the series are of the series, shape (order - 1, order + 1)."""
@@ -466,7 +479,17 @@ def _bent(order: int) -> Array:
 
 def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int) -> Array:
     """Return the row of a series at each temperature, shape (m, order + 1)."""
-    return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, domain), order))
+    return np.atleast_2d(_series(_scaled(temperature, domain), order))
+
+
+def _series(at: Array, order: int) -> Array:
+    """Return Chebyshev polynomials up to an order, of temperatures from -1 to 1: shape (..., order + 1)."""
+    rows = np.empty((*at.shape, order + 1))
+    rows[..., 0] = 1.0
+    rows[..., 1:2] = at[..., None]
+    for k in range(2, order + 1):
+        rows[..., k] = 2.0 * at * rows[..., k - 1] - rows[..., k - 2]
+    return rows
 
 
 def _scaled(temperature: ArrayLike, domain: tuple[float, float]) -> Array:

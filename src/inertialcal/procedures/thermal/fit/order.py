@@ -144,7 +144,7 @@ def _errors(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array]]
     tried = slice(1, -1) if first.held_out == "blocks" and each > BLOCKS else slice(None)
     left = moments[:, tried]
     rest = moments.sum(axis=1, keepdims=True) - left
-    found = np.array([_solved(one[..., :p], one[..., p:], largest) for one in rest])
+    found = _solved(rest[..., :p], rest[..., p:], largest)
     bent = np.sum(
         found * (left[:, :, None, :, :p] @ found - 2.0 * left[:, :, None, :, p:]), axis=3
     )  # (u, g, orders, k)
@@ -154,25 +154,31 @@ def _errors(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array]]
 
 
 def _solved(square: Array, along: Array, largest: int) -> Array:
-    """Return the coefficients of each order of P with D, (g, largest + 1, p, k), of moments (g, p, p) and (g, p, k).
+    """Return the coefficients of each order of P with D, (u, g, largest + 1, p, k), of moments (u, g, p, p or k).
 
     Columns of higher orders have the coefficient 0; a direction that the cells hardly tell does not count.
     """
-    p = square.shape[1]
+    p = square.shape[2]
     at = np.arange(p)
     taken = (at > largest) | (at <= np.arange(largest + 1)[:, None])  # a row an order
-    scale = np.sqrt(np.maximum(np.diagonal(square, axis1=1, axis2=2), np.finfo(float).tiny))[:, :, None]
-    square, along = square / (scale * scale.swapaxes(1, 2)), along / scale
+    scale = np.sqrt(np.maximum(np.diagonal(square, axis1=2, axis2=3), np.finfo(float).tiny))[..., None]
+    square, along = square / (scale * scale.swapaxes(2, 3)), along / scale
     nested = np.roll(at, p - largest - 1)  # all of D first: those of an order are then the first ones
-    try:
-        root = np.linalg.inv(np.linalg.cholesky(square[:, nested[:, None], nested]))
-    except np.linalg.LinAlgError:
-        root = np.full_like(square, np.inf)
-    if np.all(p * np.sum(root**2, axis=(1, 2)) < SAFE):  # bounds the ratio of the eigenvalues, of lower orders too
-        part = (root @ along[:, nested])[:, None] * taken[:, nested, None]
-        found = (root.swapaxes(1, 2)[:, None] @ part)[:, :, np.argsort(nested)]
-    else:
-        found = np.zeros((len(square), largest + 1, p, along.shape[2]))
+    root = np.array([_root(one[:, nested[:, None], nested]) for one in square])
+    safe = np.all(p * np.sum(root**2, axis=(2, 3)) < SAFE, axis=1)  # bounds the ratio of the eigenvalues, of all orders
+    root[~safe] = 0.0
+    part = (root @ along[:, :, nested])[:, :, None] * taken[:, nested, None]
+    found = (root.swapaxes(2, 3)[:, :, None] @ part)[..., np.argsort(nested), :]
+    for u in np.flatnonzero(~safe):
         for order, own in enumerate(map(np.flatnonzero, taken)):
-            found[:, order, own] = symmetric_inverse(square[:, own[:, None], own], LEAST) @ along[:, own]
-    return np.asarray(found / scale[:, None])
+            inverse = symmetric_inverse(square[u][:, own[:, None], own], LEAST)
+            found[u, :, order, own] = (inverse @ along[u][:, own]).swapaxes(0, 1)
+    return np.asarray(found / scale[:, :, None])
+
+
+def _root(square: Array) -> Array:
+    """Return the inverse of the Cholesky factor of matrices, shape (g, p, p); infinite where one has none."""
+    try:
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(square)))
+    except np.linalg.LinAlgError:
+        return np.full_like(square, np.inf)

@@ -130,6 +130,11 @@ def _loops(cells: Cells) -> int:
 
 
 def _rates(cells: Cells) -> tuple[float, ...]:
+    """Return the least and the largest median rate of the ramps: once where sensors share their rates."""
+    return cells.once(("rates", id(cells.rate)), lambda: (_rates_found(cells), cells.rate))[0]
+
+
+def _rates_found(cells: Cells) -> tuple[float, ...]:
     found = []
     for own in cells.once("ramps", lambda: [np.flatnonzero(cells.ramp == ramp) for ramp in np.unique(cells.ramp)]):
         rates = np.sort(np.abs(cells.rate[own]))  # NaN last

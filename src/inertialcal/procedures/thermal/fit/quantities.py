@@ -27,7 +27,6 @@ from itertools import compress
 from types import MappingProxyType
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ....core.estimate import Array, Component, Estimate
 from ....core.influence import Influence
@@ -37,7 +36,7 @@ from ....physics.earth import OMEGA, earth_rate, level_to_table
 from ....sensors.thermal import over_voltage
 from ....statistics.polynomial import Polynomial, powers_from_series
 from ..plan import Attitude, Plan, Thermometer
-from .law import Law, find_contrasts
+from .law import Law, find_contrasts, slope_of
 
 SOURCES = {
     "run": "scatter between runs",
@@ -192,7 +191,7 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
     type_b = {f"earth rate: {name}": (one.influence, -one.patterns[:, at] * constant) for name, one in unknown.items()}
     thermometer, reference = (plan.standards.get(one) for one in ("thermometer.temperature", "converter.reference"))
     if thermometer is not None and any(law.order for law in seen):
-        slope = np.concatenate([one.rows @ _slope(law) for law, one in parts])
+        slope = np.concatenate([one.rows @ slope_of(law) for law, one in parts])
         over = np.repeat([part.by_temperature for axis in laws for part in asked[axis]],
                          [len(part.keys) for axis in laws for part in asked[axis]])  # fmt: skip
         type_b["thermometer"] = thermometer, -(thermometer.u * over * slope)[None]
@@ -226,12 +225,6 @@ def _joined(asked: Sequence[Asked]) -> Asked:
 def _is_level(key: Key) -> bool:
     """Whether a quantity holds the constant of the law, and not its shape alone."""
     return key.quantity in ("bias", "bias_voltage") and key.power == 0
-
-
-def _slope(law: Law) -> Array:
-    """Return what P rises by with the temperature, as a series, shape (order + 1,)."""
-    rises = np.append(chebyshev.chebder(law.coefficients), 0.0) if law.order else np.zeros(1)
-    return np.asarray(rises * 2.0 / (law.domain[1] - law.domain[0]))
 
 
 def _type_b(source: str, influence: Influence, changes: Array) -> Component:

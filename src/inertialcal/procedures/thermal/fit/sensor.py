@@ -191,10 +191,17 @@ def run_offsets(law: Law) -> Array:
 
 def _without_ramp(readings: Readings, series: Series) -> list[Remark]:
     """Return a remark for each recording in which the temperature hardly changes: nothing of it is used."""
+
+    def flat() -> list[bool]:
+        return [every(series.path[own], lambda part: not part.any()) for own in series.sweeps]
+
+    no_ramp = series.once("no ramp", flat)
+    if not any(no_ramp):
+        return []
     sweeps = [one for one in readings.sweeps if series.axis in one.outputs]
     found = []
-    for one, own in zip(sweeps, series.sweeps, strict=True):
-        if every(series.path[own], lambda part: not part.any()):
+    for one, own, none in zip(sweeps, series.sweeps, no_ramp, strict=True):
+        if none:
             low, high = extremes(series.temperature[own], infinite=False)
             change = high - low if high > low else 0.0
             what = f"the temperature of {series.axis} changes by {change:.3g} degC: no ramp, and nothing of it is used"

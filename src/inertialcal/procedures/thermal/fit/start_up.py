@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -100,11 +99,15 @@ def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Arra
 
 def _steady_part(series: Series, run: int) -> Indices:
     """Return the samples of a run until its temperature leaves that of the start, in order of time."""
-    still = partial(_still_part, series, run)
+
+    def long(part: Indices) -> Indices:
+        return part if len(part) >= FEWEST and np.ptp(_at(series.time, part)) >= SHORTEST else part[:0]
+
+    def still() -> Indices:
+        return long(_still_part(series, run))
+
     steady = series.once(("still", run), still) if series.short else still()
-    steady = steady[np.isfinite(_at(series.reading, steady))]
-    long = len(steady) >= FEWEST and np.ptp(_at(series.time, steady)) >= SHORTEST
-    return steady if long else steady[:0]
+    return long(steady[np.isfinite(_at(series.reading, steady))]) if len(steady) else steady
 
 
 def _still_part(series: Series, run: int) -> Indices:
