@@ -193,17 +193,20 @@ def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], ask
     """Return the changes of all values by each unknown of a source, shape (s, names): those of coefficients of laws."""
     if component.changes is not None:
         return component.changes
-    blocks = []
+    blocks, places = [], {key: i for i, key in enumerate(found.keys)}
+    hidden = component.origin == ORDER
     for axis, law in laws.items():
-        rows, more = dict(zip(asked[axis].keys, asked[axis].rows, strict=True)), asked[axis].changes
-        steps = np.zeros((1, law.order + 1)) if component.origin == ORDER else factor(law.scatter.each[0])
-        own = [rows.get(key, np.zeros(law.order + 1)) for key in found.keys]
-        block = steps @ np.array(own).T
-        if component.origin == ORDER and more is not None:
-            other = dict(zip(asked[axis].keys, more, strict=True))
-            block = np.array([[other.get(key, 0.0) for key in found.keys]])
+        one = asked[axis]
+        known = [k for k, key in enumerate(one.keys) if key in places]
+        at = [places[one.keys[k]] for k in known]
+        if hidden:
+            own = np.zeros((1, len(known))) if one.changes is None else one.changes[None, known]
+        else:
+            own = factor(law.scatter.each[0]) @ one.rows[known].T
+        block = np.zeros((len(own), len(places)))
+        block[:, at] = own
         blocks.append(block)
-    return np.vstack(blocks)
+    return np.concatenate(blocks)
 
 
 def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:

@@ -33,7 +33,8 @@ def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> Model
     """Return the bias over temperature; None where nothing of it has an uncertainty."""
     bias = ThermalCorrection(tests[0].id, result)
     law, found = law_of(bias), unknowns(bias)
-    keys = tuple(key for key in law if any(key in one.keys for one in found.values()))
+    known = {key for one in found.values() for key in one.keys}
+    keys = tuple(key for key in law if key in known)
     if not keys:
         return None
     estimate = Estimate(
@@ -100,8 +101,10 @@ def _with_hysteresis(result: Result, test: str, estimate: Estimate) -> Estimate:
 
 def _component(one: Unknowns, keys: Sequence[Any]) -> Component:
     """Return a source of the coefficients that are given."""
-    own = {key: one.law[:, i] for i, key in enumerate(one.keys)}
-    changes = np.column_stack([own.get(key, np.zeros(len(one.law))) for key in keys])
+    places = {key: i for i, key in enumerate(keys)}
+    own = [i for i, key in enumerate(one.keys) if key in places]
+    changes = np.zeros((len(one.law), len(keys)))
+    changes[:, [places[one.keys[i]] for i in own]] = one.law[:, own]
     covariance = changes.T @ changes
     dof = np.array([one.dof["xyz".index(key.axis)] for key in keys])
     return Component(one.origin, one.kind, 0.5 * (covariance + covariance.T), dof, one.distribution, one.stated,

@@ -100,7 +100,8 @@ class Scatter:
     @property
     def each(self) -> tuple[Array, Array]:
         """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
-        return _contrasts(self.of_fit, np.eye(self.order + 1), 0)
+        rows = np.eye(self.order + 1)
+        return self.once(_named(rows), lambda: _contrasts(self.of_fit, rows, 0))
 
     @property
     def of_path_fit(self) -> Clustered:

@@ -97,9 +97,10 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
 
 
 def find_asked(laws: Sequence[Law], asked: Sequence[Sequence[Asked]]) -> None:
-    """Find what `estimate` wants of judged laws, of many units, alike at once; also of their coefficients alone."""
+    """Find what `estimate` wants of judged laws, of many units, alike at once; also of coefficients alone."""
     rows = [_joined(one).rows for one in asked]
     find_contrasts(laws, rows)
+    find_contrasts(laws, [np.eye(one.order + 1) for one in laws])
     for law, every, (first, *_) in zip(laws, rows, asked, strict=True):
         covariance, dof = law.contrasts(every)
         m = len(first.rows)
