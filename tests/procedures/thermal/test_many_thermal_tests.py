@@ -1,0 +1,77 @@
+"""Thermal tests of many units at once: the same figures and remarks as those of each unit alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from thermal_sweeps import path, plan, way
+
+from inertialcal.core.errors import InertialcalError
+from inertialcal.procedures.thermal.recordings import Readings, Sweep
+from inertialcal.procedures.thermal.reduction import Result, reduce, reduce_many
+
+ROUNDING = 1e-10  # of a value or its uncertainty
+KINDS = (
+    "bent", "straight", "bent", "gap", "another length", "cold", "one way", "two loops", "runs", "one axis missing",
+    "own thermometers", "bent",
+)  # fmt: skip
+
+
+def unit(seed: int, kind: str) -> Readings:
+    """Return a unit of three axes in a chamber, simulated with numpy alone."""
+    rng = np.random.default_rng(seed)
+    points = {"cold": (20.0, 20.5), "one way": (-30.0, 60.0), "two loops": (0.0, 60.0, 0.0, 60.0, 0.0)}
+    sweeps = []
+    for run in range(4 if kind == "runs" else 1):
+        t, true = path(*points.get(kind, (-30.0, 60.0, -30.0)), interval=25.0 if kind == "another length" else 10.0)
+        T = true + rng.normal(0.0, 0.02, true.size)
+        bent = 0.0 if kind == "straight" else 1e-5
+        outputs = {
+            axis: bent * (k + 1) * (true / 50.0) ** (k + 1) + 2e-6 * way(true) + rng.normal(0.0, 3e-6, true.size)
+            for k, axis in enumerate("xyz")
+        }
+        if kind == "gap":
+            outputs["y"][50:400] = np.nan
+        if kind == "one axis missing":
+            outputs["z"][:] = np.nan
+        own = kind == "own thermometers"
+        warm = {axis: T + rng.normal(0.0, 0.02, T.size) if own else T for axis in outputs}
+        sweeps.append(Sweep(f"r{run}", f"r{run}", f"r{run}.csv", t, warm, outputs))
+    return Readings(tuple(sweeps))
+
+
+def close(found: object, wanted: object) -> None:
+    """Fail where two figures differ, or two texts."""
+    if isinstance(wanted, float) and isinstance(found, float):
+        assert found == pytest.approx(wanted, rel=ROUNDING, abs=1e-22, nan_ok=True)
+    elif isinstance(wanted, dict) and isinstance(found, dict):
+        assert found.keys() == wanted.keys()
+        for key, value in wanted.items():
+            close(found[key], value)
+    elif isinstance(wanted, list | tuple) and isinstance(found, list | tuple):
+        for one, other in zip(found, wanted, strict=True):
+            close(one, other)
+    else:
+        assert found == wanted
+
+
+def test_units_at_once_have_the_figures_of_each_alone() -> None:
+    asked = plan(at=(0.0, 40.0))
+    tests = [(asked, unit(seed, kind)) for seed, kind in enumerate(KINDS)]
+    together = reduce_many(tests)
+    for kind, (own, readings), found in zip(KINDS, tests, together, strict=True):
+        if kind == "cold":  # hardly any change of temperature
+            with pytest.raises(InertialcalError) as error:
+                reduce(own, readings)
+            assert str(found) == str(error.value)
+            continue
+        alone = reduce(own, readings)
+        assert isinstance(found, Result)
+        close([row.to_dict() for row in found.rows()], [row.to_dict() for row in alone.rows()])
+        close([str(one) for one in found.remarks], [str(one) for one in alone.remarks])
+        assert alone.estimate is not None
+        assert found.estimate is not None
+        size = np.outer(alone.estimate.u, alone.estimate.u)
+        assert np.all(np.abs(found.estimate.covariance - alone.estimate.covariance) <= ROUNDING * size)
+    orders = {one.law.order for found in together if isinstance(found, Result) for one in found.sensors.values()}
+    assert len(orders) > 2  # laws of several orders in one block
