@@ -205,6 +205,6 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     B[:, :, at, at] += own
     trace = np.trace(B, axis1=2, axis2=3)
     seen = trace > (1.0 - UNRESOLVED) * np.sum(to_contrast**2, axis=2)
-    dof = np.zeros_like(trace)
+    dof: Array = np.zeros(trace.shape)
     dof[seen] = trace[seen] ** 2 / np.sum(B[seen] ** 2, axis=(1, 2))
     return dof

@@ -131,9 +131,7 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
     series: list[tuple[int, Series]] = []
     for i, (plan, readings) in enumerate(tests):
         own: list[Series] = []
-        for (
-            axis
-        ) in readings.axes:  # all before the first is reduced: those that share a thermometer share what it tells
+        for axis in readings.axes:  # before the first is reduced: those that share a thermometer share what it tells
             try:
                 own.append(series_of(plan, readings, axis, own))
             except DataError as error:
@@ -146,7 +144,7 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
         else:
             sensors[i][one.axis] = found
     asked = [
-        {axis: asked_of(plan, one.law, axis, readings.unit) for axis in readings.axes if (one := own.get(axis))}
+        {axis: asked_of(plan, sensor.law, axis, readings.unit) for axis, sensor in own.items()}
         for (plan, readings), own in zip(tests, sensors, strict=True)
     ]
     find_asked(
@@ -154,9 +152,9 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
         [one for each in asked for one in each.values()],
     )
     results: list[Result | InertialcalError] = []
-    for (plan, readings), *own_parts in zip(tests, sensors, asked, problems, strict=True):
+    for (plan, readings), found_of, asked_for, wrong in zip(tests, sensors, asked, problems, strict=True):
         try:
-            results.append(_result(plan, readings, *own_parts))
+            results.append(_result(plan, readings, found_of, asked_for, wrong))
         except InertialcalError as error:
             results.append(error)
     return results

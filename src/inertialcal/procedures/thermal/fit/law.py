@@ -367,7 +367,7 @@ def lag_column(cells: Cells, coefficients: Array) -> Array:
 def lag_columns(cells: Sequence[Cells], coefficients: Array) -> Array:
     """Return the same of several sensors: slopes by P of shape (s, order + 1); shape (s, c)."""
     ends, at = _ends(cells), _scaled_each(cells)
-    slope = coefficients @ _rising(coefficients.shape[1] - 1)
+    slope: Array = coefficients @ _rising(coefficients.shape[1] - 1)
     rows = _series(at, slope.shape[1] - 1)
     rate = np.array([one.rate for one in cells])
     return np.asarray(-times(rows, slope) * (2.0 / (ends[:, 1:] - ends[:, :1])) * rate)
@@ -485,7 +485,7 @@ def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int)
 
 def _series(at: Array, order: int) -> Array:
     """Return Chebyshev polynomials up to an order, of temperatures from -1 to 1: shape (..., order + 1)."""
-    rows = np.empty((*at.shape, order + 1))
+    rows: Array = np.empty((*at.shape, order + 1))
     rows[..., 0] = 1.0
     rows[..., 1:2] = at[..., None]
     for k in range(2, order + 1):
