@@ -367,7 +367,7 @@ def lag_column(cells: Cells, coefficients: Array) -> Array:
 def lag_columns(cells: Sequence[Cells], coefficients: Array) -> Array:
     """Return the same of several sensors: slopes by P of shape (s, order + 1); shape (s, c)."""
     ends, at = _ends(cells), _scaled_each(cells)
-    slope: Array = coefficients @ _rising(coefficients.shape[1] - 1)
+    slope = times(_rising(coefficients.shape[1] - 1).T, coefficients)
     rows = _series(at, slope.shape[1] - 1)
     rate = np.array([one.rate for one in cells])
     return np.asarray(-times(rows, slope) * (2.0 / (ends[:, 1:] - ends[:, :1])) * rate)
