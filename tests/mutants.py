@@ -1246,9 +1246,14 @@ MUTANTS = (
         "design[i::3, 3 * i : 3 * i + 3] = force[:, ::-1]",
         "test_positions_from_twins test_positions_labels",
     ),
-    Mutant("fixture.py", "g * A @ (T - np.outer(d, a))", "g * A @ (T + np.outer(d, a))", "test_positions_fixture"),
+    Mutant(
+        "fixture.py",
+        "tilts.axes - tilts.direction[:, :, None] * tilt[:, None]",
+        "tilts.axes + tilts.direction[:, :, None] * tilt[:, None]",
+        "test_positions_fixture",
+    ),
     Mutant("fixture.py", "axis=1) - 0.5 * own", "axis=1)", "test_positions_fixture"),
-    Mutant("fixture.py", "np.kron(tilts.same, np.eye(2)), LAYING", "np.eye(2 * m), LAYING", "test_positions_fixture"),
+    Mutant("fixture.py", "{FACE: np.kron(tilts.same, np.eye(2))}", "{FACE: np.eye(2 * m)}", "test_positions_fixture"),
     Mutant(
         "variance_components.py",
         "0.5 * float(pull @ one @ pull - np.trace(one))",

@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+import pytest
 from small_lot import rows as rows_of
 
 import inertialcal as ic
 from independent.case import START
 from independent.positions import FACES, G, tumbled
+from inertialcal.core.errors import InertialcalError
+from inertialcal.core.results import flat
 
 UNITS, POSITIONS = 12, 18
 HEAD = """schema = 2
@@ -99,6 +102,86 @@ def test_triads_in_rows_of_one_file_hold_their_truth_and_bad_ones_are_named(tmp_
                 within.append(abs(value - truth) < 4.0 * u)
     assert len(within) > 60
     assert np.mean(within) > 0.98
+
+
+REFUSED = {4: "too_few_positions", 5: "too_few_positions", 7: "nan_in_required", 8: "unit_slip"}
+MISNAMED = {1: "position_misnamed", 6: "position_misnamed"}  # where the orientations are known
+
+
+def triads() -> list[dict[str, Any]]:
+    """Return mean readings of a sound unit, and of units each with a fault, as columns."""
+    found = []
+    for number in range(9):
+        rng = np.random.default_rng(number + 1)
+        up = np.vstack([np.array(list(FACES.values()), dtype=float), rng.standard_normal((12, 3))])
+        up /= np.linalg.norm(up, axis=1)[:, None]
+        held = up + 1e-3 * rng.standard_normal(up.shape)
+        read = G * held @ (np.eye(3) + 0.01 * rng.standard_normal((3, 3))).T + 0.05 * rng.standard_normal(3)
+        read += 1e-3 * rng.standard_normal(read.shape)
+        if number == 1:  # two positions are swapped
+            read[[0, 7]] = read[[7, 0]]
+        elif number == 2:  # one was moved while it was read
+            read[5] += (0.0, 0.4, 0.0)
+        elif number == 3:  # an outlier
+            read[9] += 0.3
+        elif number == 4:
+            read, up = read[:3], up[:3]
+        elif number == 5:  # a dead axis
+            read[:, 2] = 0.0
+        elif number == 6:  # of the wrong sign
+            read[:, 0] *= -1.0
+        elif number == 7:
+            read[4, 1] = np.nan
+        elif number == 8:  # in g
+            read /= G
+        found.append(
+            {f"acc_{axis}": read[:, k] for k, axis in enumerate("xyz")}
+            | {f"acc_{axis}_std": np.full(len(read), 0.01) for axis in "xyz"}
+            | {"samples": np.full(len(read), 100.0)}
+            | {f"up_{axis}": up[:, k] for k, axis in enumerate("xyz")}
+        )
+    return found
+
+
+@pytest.mark.parametrize("chosen", [(0, 3, 6), pytest.param(tuple(range(9)), marks=pytest.mark.slow)])
+def test_a_triad_of_a_lot_has_the_figures_and_remarks_of_its_own_campaign(
+    tmp_path: Path, chosen: tuple[int, ...]
+) -> None:
+    units, lot = [triads()[number] for number in chosen], tmp_path / "lot"
+    lot.mkdir()
+    serials = [f"T{number}" for number, unit in enumerate(units) for _ in unit["acc_x"]]
+    columns = {name: np.concatenate([one[name] for one in units]) for name in units[0]}
+    pq.write_table(pa.table({"serial": serials, **columns}), lot / "triads.parquet")
+    for known in (False, True):
+        text = HEAD + RESTS + ('direction = { x = "up_x", y = "up_y", z = "up_z" }\n' if known else "")
+        (lot / "campaign.toml").write_text(text, encoding="utf-8", newline="\n")
+        names = "\n".join(dict.fromkeys(serials))
+        (lot / "units.csv").write_text(f"serial\n{names}\n", encoding="utf-8", newline="\n")
+        own = 'schema = 1\nid = "t"\nunits = "units.csv"\n'
+        own += '[files]\nacc = { file = "triads.parquet", serial = "serial" }\n'
+        (lot / "LOT.toml").write_text(own, encoding="utf-8", newline="\n")
+        ic.lot(lot / "LOT.toml", tmp_path / f"out-{known}", workers=0, report=False)
+        found = rows(tmp_path / f"out-{known}")
+        codes = REFUSED | (MISNAMED if known else {})
+        assert [one["reason_code"] for one in found] == [codes.get(number, "") for number in chosen]
+        for number, (unit, row) in enumerate(zip(units, found, strict=True)):
+            alone = tmp_path / f"{known}-{number}"
+            alone.mkdir()
+            pq.write_table(pa.table(unit), alone / "triads.parquet")
+            (alone / "campaign.toml").write_text(text, encoding="utf-8", newline="\n")
+            try:
+                result = ic.run(alone, write=False)
+            except InertialcalError as error:
+                refused = error.problems[0].code
+                assert row["reason_code"] == refused
+                continue
+            assert row["status"] == "done"
+            said = {(one["code"], one["what"]) for one in result.results["remarks"]}
+            assert {(one["code"], one["what"]) for one in row["remarks"]} == said
+            for one, expected in zip(row["results"], map(flat, result.results["results"]), strict=True):
+                for name, cell in expected.items():
+                    close = isinstance(cell, float) and isinstance(one[name], float)
+                    assert np.isclose(one[name], cell, rtol=1e-9, atol=0.0) if close else one[name] == cell
 
 
 def recording(folder: Path, order: str, seed: int, rest: int) -> None:

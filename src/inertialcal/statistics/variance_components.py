@@ -132,11 +132,10 @@ def fit_components(
         np.array([start[name] for name in unknown]) if start else None,
     )
     V = _whole(n, known, unknown, theta)
-    size = np.linalg.eigvalsh(V)
-    if not size[0] > n * np.finfo(float).eps * size[-1]:
+    inverse = _inverse(V)
+    if inverse is None:
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
-    inverse = np.asarray(np.linalg.inv(V))
     weighted = inverse @ design
     bare = np.linalg.inv(design.T @ weighted)
     gain = bare @ weighted.T
@@ -157,6 +156,19 @@ def fit_components(
         design,
         readings,
     )
+
+
+def _inverse(V: Array) -> Array | None:
+    """Return the inverse of a covariance; None where its least eigenvalue is lost in rounding of the largest."""
+    least = len(V) * np.finfo(float).eps
+    try:
+        inverse = np.asarray(np.linalg.inv(V))
+        if 2.0 * least * float(np.trace(V)) * float(np.linalg.norm(inverse)) < 1.0:  # bounds of both eigenvalues
+            return inverse
+    except np.linalg.LinAlgError:
+        return None
+    size = np.linalg.eigvalsh(V)
+    return inverse if size[0] > least * size[-1] else None
 
 
 def _contrasts(design: Array) -> Array:

@@ -27,6 +27,7 @@ from inertialcal.procedures.positions.fit.rotations import (
     by_positions,
     by_rest,
     carried,
+    carried_along,
     ends_of,
     errors,
     known_errors,
@@ -79,7 +80,7 @@ def readings() -> tuple[Array, Array, Array]:
     """z, f and the unit vectors of positions that the true W carries into one another."""
     rates, forces = smooth(1)
     z = rates @ np.linalg.inv(W_TRUE).T
-    C = carried(samples(z, forces), W_TRUE)[0]
+    C = carried(samples(z, forces), W_TRUE[None])[0]
     up = [np.array([0.48, -0.6, 0.64])]
     for one in C:
         up.append(one @ up[-1])
@@ -135,20 +136,20 @@ class TestAttitude:
     def test_a_constant_rate_turns_by_its_angle(self, angle: float, count: int) -> None:
         axis = np.array([2.0, -3.0, 6.0]) / 7.0
         rate = np.tile(angle / SECONDS * axis, (1, count, 1))
-        C = carried(samples(rate, rate), EYE)[0][0]
+        C = carried(samples(rate, rate), EYE[None])[0][0]
         body = Turned.from_rotvec(angle * axis)  # the body turns so, what is fixed in space the other way
         assert pytest.approx(body.inv().as_matrix(), abs=1e-13) == C
 
     def test_turned_about_z_by_a_quarter_x_is_seen_along_minus_y(self) -> None:
         rate = np.tile([0.0, 0.0, 0.5 * np.pi / SECONDS], (1, 50, 1))
-        C = carried(samples(rate, rate), EYE)[0][0]
+        C = carried(samples(rate, rate), EYE[None])[0][0]
         assert pytest.approx([0.0, -1.0, 0.0], abs=1e-14) == C @ [1.0, 0.0, 0.0]
 
     def test_a_rate_linear_in_time_is_integrated_to_fourth_order(self) -> None:
         """Coning: with half the step the error falls 16 times."""
         low, high = np.array([0.2, -0.4, 0.9]), np.array([-1.0, 0.5, 0.3])
         ends = [
-            carried(samples(np.linspace(low, high, n + 1)[None], np.zeros((1, n + 1, 3))), EYE)[0][0]
+            carried(samples(np.linspace(low, high, n + 1)[None], np.zeros((1, n + 1, 3))), EYE[None])[0][0]
             for n in (8, 16, 4096)
         ]
         wrong = [float(np.abs(one - ends[2]).max()) for one in ends[:2]]
@@ -158,38 +159,42 @@ class TestAttitude:
         """C(end, t) = R(-(T - t) omega): about z the integral of it is sin and 1 - cos over omega."""
         omega, n = 1.5, 2001
         rate = np.tile([0.0, 0.0, omega], (1, n, 1))
-        C, found = carried(samples(rate, rate), EYE, np.column_stack([np.ones(n), np.linspace(0.0, SECONDS, n)]))
+        C, found = carried_along(samples(rate, rate), EYE, np.column_stack([np.ones(n), np.linspace(0.0, SECONDS, n)]))
         s, c = np.sin(omega * SECONDS) / omega, (1.0 - np.cos(omega * SECONDS)) / omega
         assert found[0, :, :, 0] == pytest.approx(np.array([[s, c, 0.0], [-c, s, 0.0], [0.0, 0.0, SECONDS]]), abs=1e-6)
         assert found[0, 2, 2, 1] == pytest.approx(0.5 * SECONDS**2)
         late = np.linspace(0.0, SECONDS, n) * np.sin(omega * (SECONDS - np.linspace(0.0, SECONDS, n)))
         assert found[0, 0, 1, 1] == pytest.approx(np.trapezoid(late, dx=SECONDS / (n - 1)), abs=1e-9)
-        assert carried(samples(rate, rate), EYE)[0] == pytest.approx(C, abs=1e-15)
+        assert carried(samples(rate, rate), EYE[None])[0] == pytest.approx(C, abs=1e-15)
 
     def test_rotations_do_not_look_at_one_another(self, problem: Problem) -> None:
         moves = problem.moves
-        whole = carried(moves, W_TRUE, moves.f)
+        whole = carried_along(moves, W_TRUE, moves.f)
         a, b = moves.first[3], moves.first[4]
         alone = Packed(moves.z[a:b], moves.f[a:b], moves.h[a:b], np.array([0, b - a]))
-        for one, other in zip(whole, carried(alone, W_TRUE, alone.f), strict=True):
+        for one, other in zip(whole, carried_along(alone, W_TRUE, alone.f), strict=True):
             assert one[3] == pytest.approx(other[0], abs=1e-13)
 
     def test_kernel_with_and_without_the_compiler(self, problem: Problem) -> None:
         first = np.array([0, 40, 41, 41, 90])
         w = np.ascontiguousarray(problem.moves.z[:90] * np.where(np.arange(90) < 60, 1.0, 300.0)[:, None])
-        outs = [(np.empty((90, 9)), np.empty((4, 3, 3))) for _ in range(2)]
+        outs = [(np.empty((2, 4, 3, 3)), np.empty((2, 4, 3, 3, 3))) for _ in range(2)]
+        W, bias, G = np.stack([EYE, W_TRUE]), np.array([[0.0] * 3, [0.1, 0.2, 0.3]]), np.stack([0.0 * EYE, 0.1 * EYE])
         kernels: list[Any] = [through, unwrap(through)]
         for one, out in zip(kernels, outs, strict=True):
-            one(w, problem.moves.h[:90], first, *out)
+            one(w, w, problem.moves.h[:90], first, W, bias, G, w, *out)
         for compiled, plain in zip(*outs, strict=True):
             assert compiled == pytest.approx(plain, abs=1e-12)
-        assert outs[0][1] @ outs[0][1].transpose(0, 2, 1) == pytest.approx(np.tile(EYE, (4, 1, 1)), abs=1e-12)
+        ends = outs[0][0]
+        assert ends @ ends.swapaxes(2, 3) == pytest.approx(np.tile(EYE, (2, 4, 1, 1)), abs=1e-12)
+        samples = Packed((w - bias[1] - w @ G[1].T) @ W[1].T, w, problem.moves.h[:90], first)
+        assert ends[1] == pytest.approx(carried(samples, EYE[None])[0], abs=1e-12)
 
     def test_a_rotation_without_samples_turns_nothing(self) -> None:
         none = np.empty((0, 3))
         parts = [Rotation(np.empty(0), none, none, 0, 1), Rotation(np.arange(2.0), EYE[:2], EYE[:2], 1, 2)]
         found = packed(parts, [none, EYE[:2]], [none, EYE[:2]])
-        assert carried(found, EYE, found.f)[0][0] == pytest.approx(EYE)
+        assert carried_along(found, EYE, found.f)[0][0] == pytest.approx(EYE)
         assert found.squares.tolist() == [0.0, 1.0]
 
 
@@ -204,7 +209,8 @@ class TestErrors:
 
     def test_an_arrival_ahead_along_an_axis_is_a_positive_error(self, problem: Problem) -> None:
         ends = problem.ends
-        off = replace(problem, ends=replace(ends, start=ends.start + np.linalg.inv(carried(problem.moves, W_TRUE)[0])
+        C = carried(problem.moves, W_TRUE[None])[0]
+        off = replace(problem, ends=replace(ends, start=ends.start + np.linalg.inv(C)
                                             @ ends.across[:, 0, :, None] @ [1e-3]))  # fmt: skip
         found = errors(off, W_TRUE).e[: 2 * MOVES].reshape(-1, 2)
         assert found == pytest.approx(np.tile([1e-3, 0.0], (MOVES, 1)), abs=1e-9)

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ..agreement import unit_mistaken
 from .checks import signed_permutations, thinned
-from .fit.rotations import Packed, carried, packed
+from .fit.rotations import Packed, angle_between, carried, packed
 from .plan import Plan
 from .readings import Readings, by_axis, local_gravity
 
@@ -185,7 +184,7 @@ def _turns(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
     z = [rate - 0.5 * (level[one.before] + level[one.after]) for rate, one in zip(rates, rotations, strict=True)
          if rate is not None]  # fmt: skip
     whole = packed(rotations, z, [np.zeros_like(one) for one in z])
-    samples = thinned(whole, list(pairwise(whole.first.tolist())))
+    samples = thinned(whole, whole.first[:-1], whole.first[1:])
     size = np.linalg.norm(force, axis=1)[:, None]
     up = force / np.where(size > 0.0, size, 1.0)  # no direction disagrees with none
     start, stop = (up[[getattr(one, side) for one in rotations]] for side in ("before", "after"))
@@ -236,9 +235,7 @@ def _cut(as_read: Array, tried: Sequence[Array]) -> int | None:
 
 def _errors(samples: Packed, start: Array, stop: Array, W: Array) -> Array:
     """Return the angle from where gravity is carried to where it is, of each turn [rad]."""
-    end = np.einsum("kij,kj->ki", carried(samples, W)[0], start)
-    sine = np.linalg.norm(np.cross(end, stop), axis=1)
-    return np.asarray(np.arctan2(sine, np.sum(end * stop, axis=1)))
+    return angle_between(np.einsum("kij,kj->ki", carried(samples, W[None])[0], start), stop)
 
 
 def _cause(readings: Readings, part: Part, tried: Sequence[tuple[float, Array, Array]]) -> Remark:

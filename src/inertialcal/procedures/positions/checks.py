@@ -146,27 +146,26 @@ def _few(problem: Problem) -> Problem:
     k = problem.sizes[0]
     first = problem.moves.first
     chosen = np.sort(np.argsort(np.diff(first), kind="stable")[: min(USED, k)])
-    moves = thinned(problem.moves, [(int(first[i]), int(first[i + 1])) for i in chosen])
+    moves = thinned(problem.moves, first[chosen], first[chosen + 1])
     ends = problem.ends
     ends = type(ends)(*(getattr(ends, name)[chosen] for name in ("start", "stop", "before", "after", "across")))
     return Problem(moves, ends, packed([], [], []), np.zeros((0, 3)), problem.noise, problem.up_variance)
 
 
-def thinned(moves: Packed, spans: Sequence[tuple[int, int]]) -> Packed:
-    """Return some rotations with at most ``STEPS`` samples each, block means in their place."""
-    z, f, h, sizes = [], [], [], [0]
-    for a, b in spans:
-        block = -(-(b - a) // STEPS)
-        edges = np.arange(a, b, block)
-        count = np.diff(np.append(edges, b))
-        z.append(np.add.reduceat(moves.z[a:b], edges - a) / count[:, None])
-        f.append(np.add.reduceat(moves.f[a:b], edges - a) / count[:, None])
-        time = np.append(0.0, np.cumsum(moves.h[a : b - 1]))
-        middle = np.add.reduceat(time, edges - a) / count
-        h.append(np.append(np.diff(middle), 0.0))
-        sizes.append(len(edges))
-    first = np.cumsum(sizes).astype(np.int64)
-    return Packed(np.concatenate(z), np.concatenate(f), np.concatenate(h), first)
+def thinned(moves: Packed, start: NDArray[np.int64], stop: NDArray[np.int64]) -> Packed:
+    """Return some rotations, from which sample to which, with at most ``STEPS`` samples each: block means."""
+    block = np.maximum(-(-(stop - start) // STEPS), 1)
+    counts = -(-(stop - start) // block)
+    first, begins = (np.concatenate([[0], np.cumsum(one)]) for one in (counts, stop - start))
+    rows = np.arange(begins[-1]) + np.repeat(start - begins[:-1], stop - start)
+    which = np.repeat(np.arange(len(start)), counts)
+    edges = begins[which] + (np.arange(first[-1]) - first[which]) * block[which]
+    size = np.diff(np.append(edges, begins[-1]))
+    time = np.concatenate([[0.0], np.cumsum(moves.h[rows])])[:-1]
+    z, f, middle = (np.add.reduceat(one, edges, axis=0) for one in (moves.z[rows], moves.f[rows], time))
+    h = np.diff(middle / size, append=0.0)
+    h[first[1:] - 1] = 0.0
+    return Packed(z / size[:, None], f / size[:, None], h, first.astype(np.int64))
 
 
 def _scan(problem: Problem, direction: Array, grid: Array) -> list[tuple[float, float]]:

@@ -162,17 +162,17 @@ def _loop(
     residuals = np.empty((0, 1)) if own is None else own.errors(sensor.values[None])[0]
     rows = int(np.sum(np.any(residuals != 0.0, axis=0))) * len(residuals)
     dof = float(max(rows - judge.free, 0))
-    variance = float(np.sum(residuals**2)) / dof if dof else np.inf
+    variance = float(np.sum(residuals**2)) / dof if dof else 0.0
 
-    def p_rival(change: Array) -> float:
-        gain = float(np.mean(_squares(error + change) - _squares(error)))
-        shift = 2.0 * np.mean(np.sum(change * moved, axis=2), axis=1)
-        whole = 4.0 * variance * float(np.sum(change**2)) / n**2 + float(np.sum(np.square(shift)))
-        return float(special.stdtr(dof, gain / np.sqrt(whole))) if np.isfinite(whole) and whole > 0.0 else 1.0
+    better = np.mean(_squares(error + by_rival) - _squares(error), axis=1)
+    shift = 2.0 * np.einsum("rnc,snc->rs", by_rival, moved) / n
+    whole = 4.0 * variance * np.sum(by_rival**2, axis=(1, 2)) / n**2 + np.sum(shift**2, axis=1)
+    known = np.isfinite(whole) & (whole > 0.0) & (dof > 0.0)
+    p = np.where(known, special.stdtr(dof, better / np.sqrt(np.where(known, whole, 1.0))), 1.0)
 
     before, after = _squares(errors[1]), _squares(error)
     gain = before - after
-    by_laying = 2.0 * np.mean(np.sum(by_raw * moved[sizes[0] :], axis=2), axis=1)
+    by_laying = 2.0 * np.einsum("nc,snc->s", by_raw, moved[sizes[0] :]) / n
     return AxisLoop(
         judge.name,
         n,
@@ -182,14 +182,14 @@ def _loop(
         float(np.mean(gain)),
         float(np.hypot(np.std(gain, ddof=1) / np.sqrt(n), np.linalg.norm(by_laying))),
         float(n - 1),
-        float(sum(np.mean(_squares(one)) for one in moved)),
+        float(np.sum(np.mean(_squares(moved), axis=1))),
         judge.unit,
-        {name: p_rival(change) for name, change in zip(named, by_rival, strict=True)},
+        dict(zip(named, p.tolist(), strict=True)),
     )
 
 
 def _squares(errors: Array) -> Array:
-    return np.asarray(np.sum(errors**2, axis=1))
+    return np.asarray(np.sum(errors**2, axis=-1))
 
 
 def accelerometer_judges(fitted: positions.Result, held: positions.Readings) -> tuple[Judge, ...]:
@@ -231,16 +231,11 @@ def gyro_judges(fitted: positions.Result, gyro: FittedGyro, held: positions.Read
     def missed(values: Array) -> Array:
         """Return the errors of each rotation: two of a transition, three of a turn by a known angle."""
         problem = problem_of(fitted.plan, held, fitted.acc, plain, gyro.sensor.ideal, gyro.sensor.zero)
-        found = []
-        for one in values:
-            A = one[:9].reshape(3, 3)
-            G = None if plain.g_sensitivity is None else one[12:].reshape(3, 3) + earth_in_g(fitted.plan, A)[0]
-            found.append(ends_missed(problem, np.asarray(np.linalg.inv(A)), one[9:12], G))
-        moves, turns = problem.sizes
-        rows = np.array(found)
-        of_moves = np.zeros((len(rows), moves, 3))
-        of_moves[:, :, :2] = rows[:, : 2 * moves].reshape(len(rows), moves, 2)
-        return np.concatenate([of_moves, rows[:, 2 * moves :].reshape(len(rows), turns, 3)], axis=1)
+        A, G = values[:, :9].reshape(-1, 3, 3), np.zeros((len(values), 3, 3))
+        if plain.g_sensitivity is not None:
+            G = values[:, 12:].reshape(-1, 3, 3) + (0.0 if latitude is None else earth_in_g(fitted.plan, A)[0])
+        of_moves, of_turns = ends_missed(problem, np.asarray(np.linalg.inv(A), dtype=np.float64), values[:, 9:12], G)
+        return np.concatenate([np.pad(of_moves, ((0, 0), (0, 0), (0, 1))), of_turns], axis=1)
 
     if gyro.rotated is not None and held.rotations:
         found.append(Judge("gyro, rotations", "rad", missed, 9))

@@ -23,7 +23,7 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark, gather
-from ...signals.segmentation.dwells import dwell_of
+from ...signals.segmentation.dwells import moments_of
 from ...signals.segmentation.placements import (
     Placement,
     between,
@@ -267,8 +267,10 @@ def _rotation(
     if own is None:
         at, acc, gyro = seconds[a:b], values["acc"][a:b], values.get("gyro", np.empty((len(seconds), 3)))[a:b]
         steps = np.diff(at)
-        usual, longest = float(np.median(steps)), float(np.max(steps))
-        late = round(longest / usual) - 1 if longest > LONGEST_GAP * usual > 0.0 else 0
+        longest = float(steps.max())
+        if longest > LONGEST_GAP * steps.min():  # else no step is that much longer than the usual one
+            usual = float(np.median(steps))
+            late = round(longest / usual) - 1 if longest > LONGEST_GAP * usual > 0.0 else 0
     else:
         first, stop = own.span(seconds[a], seconds[b - 1])
         at, acc, gyro = (one[first:stop] for one in (own.seconds, own.acc, own.samples.values))
@@ -282,6 +284,8 @@ def _rotation(
 
 def _longest(out: NDArray[np.bool_]) -> int:
     """Return the length of the longest run of samples that are out."""
+    if not out.any():
+        return 0
     edges = np.flatnonzero(np.diff(np.concatenate(([False], out, [False])).astype(np.int8)))
     return int(np.max(edges[1::2] - edges[::2], initial=0))
 
@@ -385,20 +389,14 @@ def _readings(
 
 
 def _triad(recording: Recording, samples: Samples, name: str, placed: Sequence[Placement]) -> Triad:
-    cut = [dwell_of(samples, one.start, one.stop, 0) for one in placed]
-    if any(one is None for one in cut):
+    found = moments_of(samples, *np.array([(one.start, one.stop) for one in placed], dtype=np.int64).reshape(-1, 2).T)
+    if found is None:
         raise DataError(f"a static interval has no {name} readings", recording.source.path, code="no_values")
-    dwells = [one for one in cut if one is not None]
     units = {recording.channel(f"{name}_{axis}").unit or "count" for axis in AXES}
     if len(units) > 1:
         raise DataError(f"{name} channels are in {', '.join(sorted(units))}", recording.source.path, code="wrong_unit")
-    return Triad(
-        np.array([one.mean for one in dwells]).reshape(-1, 3),
-        np.array([one.scatter for one in dwells]).reshape(-1, 3),
-        np.array([one.n_effective for one in dwells]).reshape(-1, 3),
-        units.pop(),
-        np.array([float(one.n) for one in dwells]),
-    )
+    mean, scatter, worth, n = found
+    return Triad(mean, scatter, worth, units.pop(), n.astype(float))
 
 
 def _disturbed(readings: Readings, values: Mapping[str, Array], placed: Sequence[Placement]) -> list[Remark]:

@@ -21,12 +21,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...core.batches import batches, count, is_long_stretch, made
+from ...core.batches import NEAR, batches, count, is_long_stretch, made
 from ...core.batches.summaries import Moments
 from ...core.errors import PlanError
 from ...core.estimate import Array
-from ..time.samples import Flags, Samples
+from ..time.samples import Flags, Indices, Samples
 
 FEWEST = 8  # samples from which a correlation can be told
 CORRELATED = 0.99  # largest correlation of neighbours that is told from drift
@@ -122,7 +123,8 @@ def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, distur
     times = None if samples.time_ns is None else (int(samples.time_ns[first]), int(samples.time_ns[last]))
     x = samples.values[first : last + 1]
     x = x if len(x) == len(used) else np.asfortranarray(x[used - first])
-    mean, variance, worth, stuck = _moments(x, (np.diff(used) == 1) & ~samples.gap[used[1:]])
+    follows = (np.diff(used) == 1) & ~samples.gap[used[1:]]
+    mean, variance, worth, stuck = (one[0] for one in _moments(x, follows, np.zeros(1, dtype=np.int64)))
     return Dwell(
         start=first,
         stop=last + 1,
@@ -189,24 +191,72 @@ def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
 
     ``neighbours`` (n - 1,) says which samples are followed by their neighbour; all by default.
     """
-    return _moments(x, np.ones(len(x) - 1, dtype=bool) if neighbours is None else neighbours)[2]
+    follows = np.ones(len(x) - 1, dtype=bool) if neighbours is None else neighbours
+    worth: Array = _moments(x, follows, np.zeros(1, dtype=np.int64))[2][0]
+    return worth
 
 
-def _moments(x: Array, neighbours: Flags) -> tuple[Array, Array, Array, Flags]:
-    """Return mean, mean square about it, effective size, and whether all are equal, of one stretch (n, channels)."""
-    n, mean, stuck = len(x), x.mean(axis=0), x.max(axis=0) == x.min(axis=0)
-    residual = x - mean
-    variance = np.einsum("ij,ij->j", residual, residual) / n
-    of_samples = np.where(stuck, 0.0, variance)  # what is left there is rounding
-    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], neighbours.astype(np.float64))
-    return mean, variance, _worth(n, of_samples, products, int(np.count_nonzero(neighbours))), stuck
+def moments_of(samples: Samples, start: Indices, stop: Indices) -> tuple[Array, Array, Array, NDArray[np.int64]] | None:
+    """Reduce k stretches [start, stop) at once, as `dwell_of` does each, with no samples dropped at its ends.
+
+    Returns
+    -------
+    mean, scatter, n_effective, n : ndarray, shapes (k, channels) and (k,)
+        As a ``Dwell`` has them; None where a stretch has fewer than two samples.
+    """
+    sizes = stop - start
+    if sizes.sum() > NEAR:  # one by one: together they would fill the cache
+        dwells = [dwell_of(samples, a, b, 0) for a, b in zip(start.tolist(), stop.tolist(), strict=True)]
+        found = [(one.mean, one.scatter, one.n_effective, one.n) for one in dwells if one is not None]
+        mean, scatter, worth, n = (np.array(part) for part in zip(*found, strict=True))
+        return (mean, scatter, worth, n) if len(n) == len(start) else None
+    which = np.repeat(np.arange(len(start)), sizes)
+    rows = np.arange(len(which)) + (start - np.cumsum(sizes) + sizes)[which]
+    good = samples.finite[rows] & ~samples.outlier[rows]
+    rows, which = rows[good], which[good]
+    n = np.bincount(which, minlength=len(start))
+    if not len(n):
+        none = np.empty((0, samples.values.shape[1]))
+        return none, none, none, n
+    if n.min() < 2:
+        return None
+    follows = (np.diff(rows) == 1) & (which[1:] == which[:-1]) & ~samples.gap[rows[1:]]
+    mean, variance, worth, _ = _moments(samples.values[rows], follows, np.cumsum(n) - n)
+    return mean, np.sqrt(variance * (n / (n - 1.0))[:, None]), worth, n
 
 
-def _worth(n: int, variance: Array, products: Array, pairs: int) -> Array:
+def _moments(x: Array, follows: Flags, at: Indices) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Return mean, mean square about it, effective size, and whether all are equal, of k stretches (k, channels).
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, channels)
+        Samples of all stretches, one after another.
+    follows : ndarray of bool, shape (n - 1,)
+        Samples that are followed by their neighbour.
+    at : ndarray of int, shape (k,)
+        Where each begins.
+    """
+    n = np.diff(np.append(at, len(x)))
+    counts = n[:, None]
+    first = x[at]
+    residual = x - np.repeat(first, n, axis=0)  # sums of what is small keep their digits
+    stuck = np.add.reduceat(residual != 0.0, at, axis=0, dtype=np.int64) == 0
+    mean = np.add.reduceat(residual, at, axis=0) / counts
+    residual -= np.repeat(mean, n, axis=0)
+    variance = np.add.reduceat(residual * residual, at, axis=0) / counts
+    pairs = np.append(follows, False)
+    products = np.zeros_like(residual)
+    np.multiply(residual[:-1], residual[1:], out=products[:-1], where=follows[:, None])
+    number = np.add.reduceat(pairs, at, dtype=np.int64)[:, None]
+    worth = _worth(counts, variance, np.add.reduceat(products, at, axis=0), number)
+    return first + mean, variance, worth, stuck
+
+
+def _worth(n: NDArray[np.int64] | int, variance: Array, products: Array, pairs: NDArray[np.int64] | int) -> Array:
     """Return the effective size of n samples from their variance, and the sum of products of so many neighbours."""
-    if n < FEWEST or not pairs:
-        return np.full(len(variance), float(n))
-    raw = np.divide(products / pairs, variance, out=np.zeros_like(variance), where=variance > 0.0)
-    rho = np.clip((n * raw + 1.0) / (n - 4.0), 0.0, CORRELATED)
+    told = (np.asarray(n) >= FEWEST) & (np.asarray(pairs) > 0) & (variance > 0.0)
+    raw = np.divide(products, pairs * variance, out=np.zeros_like(variance), where=told)
+    rho = np.clip(np.divide(n * raw + 1.0, n - 4.0, out=np.zeros_like(raw), where=told), 0.0, CORRELATED)
     worth = n / (1.0 + 2.0 * rho / (1.0 - rho) * (1.0 - (1.0 - rho**n) / (n * (1.0 - rho))))
-    return np.where(variance > 0.0, np.clip(worth, 1.0, n), float(n))
+    return np.where(told, np.clip(worth, 1.0, n), n)

@@ -22,6 +22,7 @@ from ....core.influence import Influence
 from ....statistics.two_levels import TwoLevels, fit_two_levels, with_gain
 from ..plan import Plan
 from ..readings import Triad, local_gravity
+from ._kernels_transitions import join
 from .linear_sensor import Source, level_sources, summed
 from .next_record import Rests, Slow, Wander, slow_noise_of
 from .outliers import found_outliers
@@ -202,18 +203,12 @@ def joined(problem: Problem, force: Array, W: Array) -> Carried:
     W : ndarray, shape (3, 3)
         Inverse of the matrix of the gyros, near enough.
     """
-    own = apart(force)
-    axes, chain = own.axes.copy(), own.chain.copy()
+    own, ends = apart(force), problem.ends
     up = force / np.linalg.norm(force, axis=1)[:, None]
-    ends, C = problem.ends, carried(problem.moves, W)[0]
-    for k in np.argsort(ends.after, kind="stable"):
-        before, after = ends.before[k], ends.after[k]
-        first = C[k] @ axes[before, 0]
-        first = first - (first @ up[after]) * up[after]
-        first /= np.linalg.norm(first)
-        axes[after] = first, np.cross(up[after], first)
-        chain[after] = chain[before]
-    return Carried(axes, chain)
+    turn = np.argsort(ends.after, kind="stable")
+    C = carried(problem.moves, W[None])[0]
+    join(C[turn], up, ends.before[turn], ends.after[turn], own.axes, own.chain)
+    return own
 
 
 def level_influence(plan: Plan) -> Influence:

@@ -120,7 +120,7 @@ def derivatives(force: Array) -> Array:
 
 def judged(tilts: Tilts, rank: int) -> bool:
     """Tell whether anything judges the numbers: readings to spare on different faces, or a stated face error."""
-    faces = len(np.unique(tilts.same, axis=0))
+    faces = len({row.tobytes() for row in tilts.same})
     return 3 * (len(tilts.same) if FACE in tilts.stated else faces) > rank
 
 
@@ -167,9 +167,11 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
     back = scale[:, None] * kept
     along = np.einsum("ki,kip->kp", tilts.direction, (derivatives(tilts.direction) @ kept).reshape(m, 3, -1))
     assumed = m <= int(np.linalg.matrix_rank(along, tol=1e-6))
-    patterns = {FACE: np.kron(tilts.same, np.eye(2)), LAYING: np.eye(2 * m)}
     wanted = [FACE_FOUND] if FACE not in tilts.stated else []
     wanted += [LAYING_FOUND] if LAYING not in tilts.stated and tilts.repeated else []
+    patterns = {FACE: np.kron(tilts.same, np.eye(2))}
+    if LAYING in tilts.stated or LAYING_FOUND in wanted:
+        patterns[LAYING] = np.eye(2 * m)
     values, tilt, spread = usual, np.zeros((m, 2)), np.zeros((2 * m, 2 * m))
     stretch, most = np.ones(m), 0.0
     start: Mapping[str, float] | None = None
@@ -177,9 +179,7 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
         A = values[:9].reshape(3, 3)
         up = tilts.direction * stretch[:, None] + np.einsum("kia,ka->ki", tilts.axes, tilt)
         design = derivatives(g * up)
-        Z = np.zeros((3 * m, 2 * m))
-        for k, (d, T, a) in enumerate(zip(tilts.direction, tilts.axes, tilt, strict=True)):
-            Z[3 * k : 3 * k + 3, 2 * k : 2 * k + 2] = g * A @ (T - np.outer(d, a))
+        Z = _lever(g * A, tilts.axes - tilts.direction[:, :, None] * tilt[:, None])
         y = r.ravel() - design @ usual + Z @ tilt.ravel()
         turned = {name: Z @ one @ Z.T for name, one in patterns.items()}
         if assumed and number == 0:
@@ -203,12 +203,21 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
         tilt = tilts.same @ each / np.sum(tilts.same, axis=1)[:, None]  # one for a face: its layings differ by little
         spread = prior - pull @ found.projector @ pull.T
         before = stretch
-        own = np.array([np.trace(spread[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]) for k in range(m)])
+        own = np.sum(np.diag(spread).reshape(m, 2), axis=1)
         stretch = 1.0 - 0.5 * np.sum(tilt**2 + (each - tilt) ** 2, axis=1) - 0.5 * own
         if np.max(np.abs(stretch - before)) < SETTLED:
             break
     widened = _hidden(inside, most)[1]
     return Laid(found, back, values, stretch, assumed, False, most, widened, design @ back, y, Z, known)
+
+
+def _lever(matrix: Array, moved: Array) -> Array:
+    """Return derivatives of the readings by the tilts, (3 m, 2 m); ``moved``: those of the directions, (m, 3, 2)."""
+    m = len(moved)
+    Z = np.zeros((m, 3, m, 2))
+    at = np.arange(m)
+    Z[at, :, at] = matrix @ moved
+    return Z.reshape(3 * m, 2 * m)
 
 
 def _cosine(up: Array, spread: Array) -> Array:
@@ -263,12 +272,10 @@ def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
     if LAYING in stated:
         sources.append(Source(LAYING, "B", parts[LAYING], stated[LAYING].dof, stated[LAYING]))
     if FACE in stated:
-        one, unknowns = stated[FACE], []
-        changes = np.zeros((0, 12))
-        for same in np.unique(tilts.same, axis=0):
-            own = laid.lever @ np.kron(same[:, None], np.eye(2))  # tilted alike
-            changes = np.vstack([changes, one.u * (moved @ own).T])
-            unknowns += [f"{_face(tilts.direction[int(np.argmax(same))])} {k}" for k in (1, 2)]
+        one, faces = stated[FACE], np.unique(tilts.same, axis=0)
+        changes = one.u * np.kron(faces, np.eye(2)) @ (moved @ laid.lever).T  # those of a face are tilted alike
+        names = [_face(tilts.direction[int(k)]) for k in np.argmax(faces, axis=1)]
+        unknowns = [f"{name} {k}" for name in names for k in (1, 2)]
         whole = changes.T @ changes
         sources.append(Source(FACE, "B", whole, one.dof, one, changes=changes, unknowns=tuple(unknowns)))
         sources.append(Source(COSINE, "B", cosine, one.dof))
@@ -303,13 +310,14 @@ def fit_agreeing(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array, r
     design, y = derivatives(g * tilts.direction) * scale @ kept, r.ravel() - derivatives(g * tilts.direction) @ usual
     while True:
         P, pull = laid.found.projector, (laid.found.projector @ laid.readings).reshape(-1, 3)
-        blocks = [P[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] for k in range(len(pull))]
-        ratios = [float(a @ np.linalg.pinv(B, rcond=1e-9) @ a) for a, B in zip(pull, blocks, strict=True)]
+        every = np.arange(len(pull))
+        blocks = P.reshape(len(pull), 3, -1, 3)[every, :, every]
+        ratios = np.einsum("ki,kij,kj->k", pull, np.linalg.pinv(blocks, rcond=1e-9), pull)
         worst = int(np.flatnonzero(rest)[np.argmax(ratios)])
         fewer = rest & (np.arange(m) != worst)
         rows, among = np.repeat(fewer, 3), np.repeat(rest, 3)
         enough = rows.sum() - kept.shape[1] >= FREE and judged(chosen(tilts, fewer), kept.shape[1])
-        if max(ratios) < STANDS_OUT or not enough or np.linalg.matrix_rank(design[rows]) < kept.shape[1]:
+        if ratios.max() < STANDS_OUT or not enough or np.linalg.matrix_rank(design[rows]) < kept.shape[1]:
             break
         without = fit_laid(r[fewer], inside[fewer], g, chosen(tilts, fewer), kept)
         V = _covariance(without, tilts, inside, g)
@@ -331,9 +339,7 @@ def _covariance(laid: Laid, tilts: Tilts, inside: Array, g: float) -> Array:
     sizes = {name: one.u**2 for name, one in tilts.stated.items()}
     face = found.variances.get(FACE_FOUND, sizes.get(FACE, 0.0))
     laying = found.variances.get(LAYING_FOUND, sizes.get(LAYING, 0.0))
-    Z = np.zeros((3 * m, 2 * m))
-    for k, T in enumerate(tilts.axes):
-        Z[3 * k : 3 * k + 3, 2 * k : 2 * k + 2] = g * A @ T
+    Z = _lever(g * A, tilts.axes)
     spread: Array = np.kron(face * tilts.same + laying * np.eye(m), np.eye(2)).astype(np.float64)
     hidden = _hidden(inside, laid.hidden)[0] if laid.assumed else found.variances[BETWEEN]
     return np.asarray(Z @ spread @ Z.T + _cosine(g * tilts.direction @ A.T, spread) + np.diag(inside.ravel() + hidden))

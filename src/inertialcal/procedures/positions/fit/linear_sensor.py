@@ -323,7 +323,7 @@ def _simple(lost: Array, names: Sequence[Key]) -> list[list[tuple[float, Key]]]:
     """Return each combination with as few parameters in it as can be, the largest with factor one."""
     if not lost.shape[1]:
         return []
-    pivots = linalg.qr(lost.T, mode="r", pivoting=True)[1][: lost.shape[1]]
+    pivots = np.sort(linalg.qr(lost.T, mode="r", pivoting=True)[1][: lost.shape[1]])
     vectors = (vector / vector[np.argmax(np.abs(vector))] for vector in (lost @ np.linalg.inv(lost[pivots])).T)
     return [[(factor, names[i]) for i, factor in enumerate(one) if abs(factor) > TAKES_PART] for one in vectors]
 

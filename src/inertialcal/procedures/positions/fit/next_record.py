@@ -174,20 +174,17 @@ def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
     white = (axes / np.sqrt(level)).T
     largest, y = float(np.max(np.abs(y))), white @ y
     place, loading = wander.place, wander.loading
-    seen = [blind.T @ blind]
-    for kernel in kernels[1:]:
-        seen.append(blind.T @ ((loading @ loading.T) * kernel[np.ix_(place, place)]) @ blind)
-    size = np.array([float(np.trace(one)) / len(y) for one in seen])
+    between = (loading @ loading.T) * kernels[1:, place[:, None], place]
+    seen = np.concatenate([(blind.T @ blind)[None], blind.T @ between @ blind])
+    size = np.trace(seen, axis1=1, axis2=2) / len(y)
     usual = float(np.sqrt(np.median(level)))
     top = LARGEST * max(usual, largest)
     sizes = np.exp(np.arange(np.log(SMALLEST * usual), np.log(top) + STEP, STEP))
-    logs = []
-    for shares in SHARES:
-        mixed = np.tensordot(shares / size, np.array(seen), axes=1)
-        values, vectors = np.linalg.eigh(white @ mixed @ white.T)
-        total = 1.0 + np.outer(sizes**2, np.maximum(values, 0.0))
-        logs.append(-0.5 * np.sum(np.log(total) + (vectors.T @ y) ** 2 / total, axis=1))
-    weight = np.array(logs) + POWER * np.log(sizes) + np.log(BEFORE)[:, None]
+    mixed = np.tensordot(SHARES / size, seen, axes=1)
+    values, vectors = np.linalg.eigh(white @ mixed @ white.T)  # of each mixture
+    total = 1.0 + sizes[:, None] ** 2 * np.maximum(values, 0.0)[:, None]
+    logs = -0.5 * np.sum(np.log(total) + (y @ vectors)[:, None] ** 2 / total, axis=2)
+    weight = logs + POWER * np.log(sizes) + np.log(BEFORE)[:, None]
     probability = np.exp(weight - weight.max())
     return Slow(wander, kernels / size[:, None, None], probability / probability.sum(), sizes**2)
 

@@ -22,9 +22,8 @@ for each axis of the rate and each component of the signal.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +33,13 @@ from ....core.estimate import Array
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Rotation
-from ._kernels_transitions import through
+from ._kernels_transitions import fill_sums, through
 from .linear_sensor import MATRIX, USELESS, Observability, can_tell, observe
 from .outliers import found_outliers
 
 BETWEEN = "scatter between rotations"
 ANGLE, ORIENTATION = "turn.angle", "fixture.orientation"
 STEPS, HALVINGS = 40, 10
-SHORT = 2**15  # samples of which what was found last is kept
 SETTLED = 1e-10
 SMALL = 1e-6  # step that is not halved: where it lowers nothing, rounding and the size of a sample decide
 SAME_AXIS = 1e-9  # one less the cosine between axes that are the same
@@ -204,9 +202,14 @@ def ends_of(transitions: Sequence[Rotation], up: Array) -> Ends:
 def across(u: Array) -> Array:
     """Return two unit vectors across each of some, shape (k, 2, 3)."""
     least = np.eye(3)[np.argmin(np.abs(u), axis=1)]
-    first = np.cross(u, least)
+    first = crossed(u, least)
     first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.stack([first, np.cross(u, first)], axis=1)
+    return np.stack([first, crossed(u, first)], axis=1)
+
+
+def crossed(u: Array, v: Array) -> Array:
+    """Return the cross products of vectors, shape (k, 3); for so few ``numpy.cross`` takes several times as long."""
+    return np.asarray(u[:, [1, 2, 0]] * v[:, [2, 0, 1]] - u[:, [2, 0, 1]] * v[:, [1, 2, 0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +256,7 @@ class Errors:
 
 def errors(problem: Problem, W: Array) -> Errors:
     """Return the errors of all rows for a W."""
-    ends, (C, by_z) = problem.ends, carried(problem.moves, W, problem.moves.z)
+    ends, (C, by_z) = problem.ends, carried_along(problem.moves, W, problem.moves.z)
     end = np.einsum("kij,kj->ki", C, ends.start)
     e = np.einsum("kai,ki->ka", ends.across, end)
     by_W = _lever(ends, end) @ by_z.reshape(-1, 3, 9)
@@ -266,26 +269,31 @@ def errors(problem: Problem, W: Array) -> Errors:
     )
 
 
-def ends_missed(problem: Problem, W: Array, bias: Array, g_sensitivity: Array | None) -> Array:
-    """Return the errors of all rows for a W and more bias and g-sensitivity than were taken off, shape (rows,).
+def ends_missed(problem: Problem, W: Array, bias: Array, g_sensitivity: Array) -> tuple[Array, Array]:
+    """Return the errors of all rotations by each of j gyros, with more bias and g-sensitivity than were taken off.
 
     Parameters
     ----------
     problem : Problem
-        Rotations.
-    W : ndarray, shape (3, 3)
+        k transitions and t turns.
+    W : ndarray, shape (j, 3, 3)
         Inverse of the matrix.
-    bias : ndarray, shape (3,)
+    bias : ndarray, shape (j, 3)
         Of the gyros [rad/s].
-    g_sensitivity : ndarray, shape (3, 3), or None
+    g_sensitivity : ndarray, shape (j, 3, 3)
         What they read of specific force [(rad/s)/(m/s^2)].
+
+    Returns
+    -------
+    of_moves, of_turns : ndarray, shapes (j, k, 2), (j, t, 3)
+        [rad]
     """
-    moves, (total, force, time) = problem.moves, problem.turns.sums
-    G = np.zeros((3, 3)) if g_sensitivity is None else g_sensitivity
-    C = carried(replace(moves, z=moves.z - bias - moves.f @ G.T), W)[0]
-    e = np.einsum("kai,ki->ka", problem.ends.across, np.einsum("kij,kj->ki", C, problem.ends.start))
-    turned = (total - time[:, None] * bias - force @ G.T) @ W.T
-    return np.concatenate([e.ravel(), (turned - problem.turned).ravel()])
+    total, force, time = problem.turns.sums
+    C = carried(problem.moves, W, bias, g_sensitivity)
+    end = np.einsum("nkij,kj->nki", C, problem.ends.start)
+    turned = total - time[:, None] * bias[:, None] - force @ np.swapaxes(g_sensitivity, 1, 2)
+    of_turns = turned @ np.swapaxes(W, 1, 2) - problem.turned
+    return np.einsum("kai,nki->nka", problem.ends.across, end), np.asarray(of_turns)
 
 
 def _lever(ends: Ends, end: Array) -> Array:
@@ -299,7 +307,7 @@ def _lever(ends: Ends, end: Array) -> Array:
 def by_rest(problem: Problem, W: Array) -> Array:
     """Return the derivatives of all rows by bias, then by g-sensitivity row by row, shape (rows, 12)."""
     moves, ends = problem.moves, problem.ends
-    C, integrals = carried(moves, W, np.column_stack([np.ones(len(moves.f)), moves.f]))
+    C, integrals = carried_along(moves, W, np.column_stack([np.ones(len(moves.f)), moves.f]))
     lever = _lever(ends, np.einsum("kij,kj->ki", C, ends.start))
     moved = (lever @ integrals.reshape(-1, 3, 12)).reshape(-1, 2, 3, 4)
     found = -np.einsum("kajl,jr->kalr", moved, W)  # l: one, then the components of f; r: gyro
@@ -374,9 +382,13 @@ def angles(problem: Problem, W: Array) -> Array:
     """Angle between where gravity was carried to and where it is, of each transition [rad], shape (k,)."""
     if not problem.sizes[0]:
         return np.empty(0)
-    end = np.einsum("kij,kj->ki", carried(problem.moves, W)[0], problem.ends.start)
-    sine = np.linalg.norm(np.cross(end, problem.ends.stop), axis=1)
-    return np.asarray(np.arctan2(sine, np.sum(end * problem.ends.stop, axis=1)))
+    end = np.einsum("kij,kj->ki", carried(problem.moves, W[None])[0], problem.ends.start)
+    return angle_between(end, problem.ends.stop)
+
+
+def angle_between(u: Array, v: Array) -> Array:
+    """Return the angle between unit vectors, shape (k,) [rad]."""
+    return np.asarray(np.arctan2(np.linalg.norm(crossed(u, v), axis=1), np.sum(u * v, axis=1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -389,62 +401,63 @@ class Packed:
     first: NDArray[np.int64]  # shape (k + 1,): where each begins, and the end
 
     @cached_property
-    def _last(self) -> dict[bytes, tuple[Array, Array]]:
-        return {}
+    def _summed(self) -> tuple[Array, Array, Array, Array]:
+        k = len(self.first) - 1
+        found = np.empty((k, 3)), np.empty((k, 3)), np.empty(k), np.empty(k)
+        fill_sums(self.z, self.f, self.h, self.first, *found)
+        return found
 
-    def turned(self, W: Array) -> tuple[Array, Array]:
-        """Return what `through` fills for the rate W z, which stays what it is; that of the last W is kept."""
-        key, n = W.tobytes(), len(self.z)
-        if key in self._last:
-            return self._last[key]
-        weighted, C = np.empty((n, 9)), np.empty((len(self.first) - 1, 3, 3))
-        through(np.ascontiguousarray(self.z @ W.T), self.h, self.first, weighted, C)
-        self._last.clear()
-        if n <= SHORT:
-            self._last[key] = weighted, C
-        return weighted, C
-
-    @cached_property
+    @property
     def squares(self) -> Array:
         """Sums of h^2, shape (k,) [s^2]: the variance of an integral over that of a sample."""
-        return np.array([np.sum(self.h[a:b] ** 2) for a, b in pairwise(self.first)])
+        return self._summed[3]
 
-    @cached_property
+    @property
     def sums(self) -> tuple[Array, Array, Array]:
         """Integrals of z (k, 3), f (k, 3) and one (k,) over each rotation, by trapezoids."""
-        total, force, time = [], [], []
-        for a, b in pairwise(self.first):
-            h = self.h[a : b - 1]
-            weight = 0.5 * (np.append(h, 0.0) + np.append(0.0, h))
-            total.append(weight @ self.z[a:b])
-            force.append(weight @ self.f[a:b])
-            time.append(weight.sum())
-        return np.array(total).reshape(-1, 3), np.array(force).reshape(-1, 3), np.array(time)
+        return self._summed[:3]
 
 
 def packed(rotations: Sequence[Rotation], z: Sequence[Array], f: Sequence[Array]) -> Packed:
     """Return the samples of rotations in a row."""
-    sizes = np.array([0, *(len(one.seconds) for one in rotations)])
-    h = [np.append(np.diff(one.seconds), 0.0)[: len(one.seconds)] for one in rotations]
+    first = np.cumsum([0, *(len(one.seconds) for one in rotations)])
     empty = np.empty((0, 3))
-    return Packed(
-        np.concatenate([empty, *z]),
-        np.concatenate([empty, *f]),
-        np.concatenate([np.empty(0), *h]),
-        np.cumsum(sizes).astype(np.int64),
-    )
+    h = np.diff(np.concatenate([np.empty(0), *(one.seconds for one in rotations), np.zeros(1)]))
+    h[first[1:][np.diff(first) > 0] - 1] = 0.0
+    whole, force = (np.ascontiguousarray(np.concatenate([empty, *parts])) for parts in (z, f))
+    return Packed(whole, force, h, first.astype(np.int64))
 
 
-def carried(samples: Packed, W: Array, signal: Array | None = None) -> tuple[Array, Array]:
+def carried(samples: Packed, W: Array, bias: Array | None = None, G: Array | None = None) -> Array:
+    """Return what rotations do to vectors by each of j gyros.
+
+    Parameters
+    ----------
+    samples : Packed
+        k rotations.
+    W : ndarray, shape (j, 3, 3)
+        The rate is W (z - bias - G f).
+    bias, G : ndarray, shapes (j, 3), (j, 3, 3), optional
+        None by default.
+
+    Returns
+    -------
+    ndarray, shape (j, k, 3, 3)
+        Takes vectors from the body at the start to the body at the end.
+    """
+    return _through(samples, W, bias, G, np.empty((len(samples.z), 0)))[0]
+
+
+def carried_along(samples: Packed, W: Array, signal: Array) -> tuple[Array, Array]:
     """Return what rotations do to vectors, and the integrals of C(end, t) times a signal.
 
     Parameters
     ----------
     samples : Packed
-        Rotations.
+        k rotations.
     W : ndarray, shape (3, 3)
         The rate is W z.
-    signal : ndarray, shape (n, m), optional
+    signal : ndarray, shape (n, m)
         On the clock of the samples.
 
     Returns
@@ -454,10 +467,13 @@ def carried(samples: Packed, W: Array, signal: Array | None = None) -> tuple[Arr
     integrals : ndarray, shape (k, 3, 3, m)
         [:, :, j, l] for component l of the signal along axis j.
     """
-    k = len(samples.first) - 1
-    weighted, C = samples.turned(W)
-    if signal is None:
-        return C, np.empty((k, 3, 3, 0))
-    parts = [weighted[a:b].T @ signal[a:b] for a, b in pairwise(samples.first)]
-    at_start = np.array(parts).reshape(k, 3, 3, signal.shape[1])  # [:, j, i, l]: i at the start
-    return C, np.einsum("kpi,kjil->kpjl", C, at_start)
+    (C,), (at_start,) = _through(samples, W[None], None, None, np.ascontiguousarray(signal))
+    return C, np.einsum("kpi,klji->kpjl", C, at_start)  # j, i: axis of the rate, of the body at the start
+
+
+def _through(samples: Packed, W: Array, bias: Array | None, G: Array | None, signal: Array) -> tuple[Array, Array]:
+    j, k = len(W), len(samples.first) - 1
+    end, integrals = np.empty((j, k, 3, 3)), np.empty((j, k, signal.shape[1], 3, 3))
+    none = np.zeros((j, 3)) if bias is None else bias, np.zeros((j, 3, 3)) if G is None else G
+    through(samples.z, samples.f, samples.h, samples.first, np.ascontiguousarray(W), *none, signal, end, integrals)
+    return end, integrals
