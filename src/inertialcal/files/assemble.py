@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from .time.unused import unused_clocks
 MARKED = re.compile(rf"(?:^|[./]){COMPENSATED}([0-9a-f]{{{MARK}}})$", re.IGNORECASE)
 BESIDE = re.compile(r"([+-]?[0-9]+(?:\.[0-9]*)?(?:[eE][+-]?[0-9]+)?) ?([A-Za-z%°µ].*)")  # number and unit in one cell
 LOOKED_AT = 100  # cells of a column of words in which a number with its unit must appear
+MEANT_BY_VALUES = ("", "time", "index")  # quantities of columns whose values may tell what they are
 SHOWN = 5  # texts of a label column in its remark
 
 
@@ -70,6 +71,8 @@ def assemble(
         clock = find_clock(described, content, path, time_column, dates)
     else:
         clock = Clock(None, content.time_ns, "utc")
+    if clock.time_ns is not None:
+        clock = replace(clock, time_ns=_data(clock.time_ns))
     _refuse_grouped(content, path)
     channels = _channels(described, clock, path)
     _require(described, required, content, path)
@@ -93,6 +96,46 @@ def assemble(
         first_row=_first_row(content),
         compensated_by=compensated_by,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """Columns of a file, and the recording that they made: others of the same stamps make one that differs in values.
+
+    Stamps, units and meanings are found once for recordings of many units.
+    """
+
+    content: Content
+    recording: Recording
+
+    def with_values(self, content: Content, source: Source) -> Recording | None:
+        """Return the recording of other columns; None where their values may change more than the samples.
+
+        So it is where one has a missing value, and where stamps, or columns without a meaning by their names, differ.
+        """
+        own, made = self.content, self.recording
+        same = (own.format, own.sample_rate, own.cut_off, own.clock) == (
+            content.format, content.sample_rate, content.cut_off, content.clock,
+        )  # fmt: skip
+        if made.remarks or made.compensated_by or not same or content.remarks or content.rows is not None:
+            return None
+        if made.time_ns is None or content.time_ns is not None or len(own.columns) != len(content.columns):
+            return None
+        channels = {one.name: one for one in made.channels}
+        filled = False  # to the end, as the other is
+        for before, now in zip(own.columns, content.columns, strict=True):
+            if (before.name, before.unit, before.values.dtype) != (now.name, now.unit, now.values.dtype):
+                return None
+            if not (now.is_number and now.is_complete and before.is_complete):
+                return None
+            one = channels.get(now.name)
+            if one is None or one.quantity in MEANT_BY_VALUES:
+                if not np.array_equal(before.values, now.values):
+                    return None
+                filled = filled or now.values[-1] != 0
+            if one is not None:
+                channels[now.name] = replace(one, data=_data(now.values))
+        return replace(made, channels=tuple(channels.values()), source=source) if filled else None
 
 
 def _refuse_grouped(content: Content, path: str) -> None:
@@ -163,7 +206,7 @@ def _channels(described: Sequence[Described], clock: Clock, path: str) -> tuple[
     return tuple(Channel(d.name, _data(d.column.values), d.unit, d.unit_from, d.axis, d.quantity) for d in chosen)
 
 
-def _data(values: NDArray[np.generic]) -> NDArray[np.generic]:
+def _data(values: NDArray[Any]) -> NDArray[Any]:
     """Return a read-only view, so that a frozen recording stays as it was read."""
     view = values.view()
     view.flags.writeable = False

@@ -18,7 +18,7 @@ from ..core.errors import DataError, InertialcalError, Problem, UsageError
 from ..core.recording import Recording, Source
 from ..core.registry import Registry
 from ..core.remarks import Remark
-from .assemble import assemble
+from .assemble import Assembled, assemble
 from .budget import COLUMNS, PARTS, check_count
 from .columns import Column, Content
 from .formats import ZIP, ZIP_MEMBER, refusal
@@ -71,7 +71,11 @@ Parsed = dict[tuple[str, tuple[str, ...] | None, str | None, int | None], Column
 
 
 def read_recording(
-    path: str | Path, request: Request, parsed: Parsed | None = None, handed: Columns | None = None
+    path: str | Path,
+    request: Request,
+    parsed: Parsed | None = None,
+    handed: Columns | None = None,
+    alike: Assembled | None = None,
 ) -> Recording:
     """Return the recording in a file, or in a record of several files; Raises as ``files.read``.
 
@@ -83,6 +87,8 @@ def read_recording(
         Columns of files that were read before, by path and what was asked of the reader; those of a new one are added.
     handed : (Content, Source), optional
         What the file holds, where it was read already by others: it need not be there.
+    alike : Assembled, optional
+        Another recording of which the same was asked.
     """
     for archive in ARCHIVES if handed is None else ():
         recording = archive.read(path, request)
@@ -100,7 +106,8 @@ def read_recording(
         content, source, loaded = _columns(path, request)
     else:
         content, source = known
-    recording = assemble(
+    recording = None if alike is None else alike.with_values(content, source)
+    recording = recording or assemble(
         content,
         source,
         units=request.units,

@@ -267,7 +267,7 @@ def _begun(job: Job, given: Given, delivery: Delivery) -> _Unit:
     root = delivery.root(given.number)
     handed = delivery.handed.get(given.number, {})
     campaign = campaign_for(job, given, files, root, handed, beside)
-    store = UnitStore(Path(job.folder), waiting_for(campaign), root=root, handed=handed)
+    store = UnitStore(Path(job.folder), waiting_for(campaign), root=root, handed=handed, alike=delivery.alike)
     return _Unit(given, campaign, store, every, stamps)
 
 

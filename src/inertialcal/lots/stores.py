@@ -32,7 +32,8 @@ from ..campaign.file.recordings import RecordingEntry
 from ..campaign.inputs.sources import HELD, ReadOnce, request_of
 from ..core.errors import DataError, PlanError
 from ..core.recording import Recording, Source
-from ..files.binary.parquet import content_of
+from ..files.assemble import Assembled
+from ..files.binary.parquet import contents_of
 from ..files.registry import Columns, read_recording
 from ..files.text.table import Table, table_of_content
 from .units import csv_heading
@@ -208,10 +209,13 @@ class UnitStore(ReadOnce):
         In which the recordings lie as the campaign of the unit names them.
     handed : mapping of (Content, Source)
         Columns of recordings that came out of a file of many units, and lie nowhere, by file.
+    alike : dict of Assembled
+        Recordings of other units, by file and what is asked of it.
     """
 
     root: Path = field(default_factory=Path)
     handed: Mapping[str, Columns] = field(default_factory=dict[str, Columns])
+    alike: dict[str, Assembled] = field(default_factory=dict[str, Assembled])
 
     def path(self, file: str) -> Path:
         """Return where a file lies: one that is no recording of the unit, beside the template."""
@@ -223,7 +227,12 @@ class UnitStore(ReadOnce):
         known = self.handed.get(entry.file)
         if known is None:
             return super().recording(entry, required)
-        return read_recording(self.root / entry.file, request_of(entry, required), handed=known)
+        request = request_of(entry, required)
+        key = f"{entry.file} {request}"
+        found = read_recording(self.root / entry.file, request, handed=known, alike=self.alike.get(key))
+        if request.window.is_all:
+            self.alike.setdefault(key, Assembled(known[0], found))
+        return found
 
     def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return a reduced table."""
@@ -251,6 +260,7 @@ class Delivery:
         self.place, self.shared = place, shared
         self.temporary = None if place.is_local and not shared else TemporaryDirectory(prefix="inertialcal-lot-")
         self.handed: dict[int, dict[str, Columns]] = {}  # of each unit, by file
+        self.alike: dict[str, Assembled] = {}  # by file and what is asked of it: recordings of other units
 
     def __enter__(self) -> Delivery:
         """Return it."""
@@ -288,23 +298,42 @@ class Delivery:
                 refused |= dict.fromkeys(keys, error)
                 continue
             held = sum(table.nbytes for tables in found.values() for table in tables)
+            there = {number: pa.concat_tables(found[key]) for number, key in keys.items() if key in found}
+            if there and held <= HELD and not one.is_text:
+                refused = self._hand_over(one, there) | refused
+            else:
+                for number, rows in there.items():
+                    self._lay_down(number, one, rows)
             for number, key in keys.items():
-                if key in found:
-                    self._deliver(number, one, pa.concat_tables(found[key]), in_memory=held <= HELD)
+                if number in there:
                     continue
                 said = " and ".join(f"{name} {part!r}" for name, part in zip(one.columns, key, strict=True))
                 do = f"Check column {one.serial}, or take the unit out of the table"
                 refused.setdefault(number, DataError(f"no row of {said}", one.file, do=do, code="no_rows"))
         return refused
 
-    def _deliver(self, number: int, shared: Shared, rows: pa.Table, in_memory: bool) -> None:
-        """Deliver the rows of a unit: text goes through a file, as it is read by the rules of text."""
-        own, path = rows.drop_columns([shared.serial]).combine_chunks(), self.root(number) / shared.file
-        if in_memory and not shared.is_text:
-            content = content_of(own, str(path))
-            source = Source(str(path), digest_of(own), content.format, "parquet")
+    def _hand_over(self, shared: Shared, there: Mapping[int, pa.Table]) -> dict[int, DataError]:
+        """Hand over the rows of units in memory, all columns turned into arrays at once; return those that are none."""
+        ends = np.cumsum([0, *(len(one) for one in there.values())]).tolist()
+        every = pa.concat_tables(there.values()).drop_columns([shared.serial]).combine_chunks()
+        plain, parts = plain_rows(every), [range(*pair) for pair in pairwise(ends)]
+        paths = [str(self.root(number) / shared.file) for number in there]
+        refused: dict[int, DataError] = {}
+        try:
+            contents = list(contents_of(every, parts, paths))
+        except DataError as error:
+            return dict.fromkeys(there, error)
+        for number, part, path, content in zip(there, parts, paths, contents, strict=True):
+            if isinstance(content, DataError):
+                refused[number] = content
+                continue
+            source = Source(path, digest_of(plain.slice(part.start, len(part))), content.format, "parquet")
             self.handed.setdefault(number, {})[shared.file] = content, source
-            return
+        return refused
+
+    def _lay_down(self, number: int, shared: Shared, rows: pa.Table) -> None:
+        """Lay the rows of a unit into a file: text is read by the rules of text, long columns a part at a time."""
+        own, path = rows.drop_columns([shared.serial]).combine_chunks(), self.root(number) / shared.file
         path.parent.mkdir(parents=True, exist_ok=True)
         if shared.is_text:
             pa_csv.write_csv(own, path, pa_csv.WriteOptions(delimiter=";", quoting_style="needed"))
@@ -374,12 +403,16 @@ class Delivery:
             shutil.rmtree(self.root(number), ignore_errors=True)
 
 
-def digest_of(table: pa.Table) -> str:
-    """Return the SHA-256 of rows: of schema and columns as Arrow streams them.
+def plain_rows(table: pa.Table) -> pa.Table:
+    """Return rows without codes, of whole bytes: bits of other rows may stand beside those of these."""
+    return table.cast(pa.schema([one.with_type(_plain(one.type)) for one in table.schema], table.schema.metadata))
+
+
+def digest_of(plain: pa.Table) -> str:
+    """Return the SHA-256 of plain rows (`plain_rows`): of schema and columns as Arrow streams them.
 
     What lies below a null is nobody's: of such columns that of where they are, and of what is there.
     """
-    plain = table.cast(pa.schema([one.with_type(_plain(one.type)) for one in table.schema], table.schema.metadata))
     digest = hashlib.sha256(plain.schema.serialize())
     for column in plain.columns:
         if pa.types.is_nested(column.type):
@@ -392,7 +425,6 @@ def digest_of(table: pa.Table) -> str:
 
 
 def _plain(kind: pa.DataType) -> pa.DataType:
-    """Return a type without codes, of whole bytes: bits of other rows may stand beside those of these."""
     kind = kind.value_type if pa.types.is_dictionary(kind) else kind
     return pa.uint8() if pa.types.is_boolean(kind) else kind
 

@@ -26,6 +26,7 @@ R = TypeVar("R")
 LONGEST = 2**22  # bytes of the arrays of a call: a digest of more takes longer than it may save
 SHORT, FEW = 512, 1_000  # numbers, and calls, beyond which a compiled loop pays
 MOST = 128  # results that are kept of a function, those of the last calls
+PLAIN = frozenset({np.ndarray, np.float64, np.int64, str, float, int, bool, type(None)})
 _kept: list[dict[bytes, object]] = []  # of each function
 
 
@@ -117,13 +118,22 @@ def _content(x: NDArray[Any]) -> NDArray[Any]:
 def _parts(given: object) -> list[object]:
     """Return what sequences, dictionaries and dataclasses hold, one after the other, with a mark where each ends."""
     kind = type(given)
+    if kind in PLAIN:
+        return [given]
     if is_dataclass(given):
         given = vars(given)
     if isinstance(given, dict):
         given = tuple(given.items())
     if isinstance(given, list | tuple):
-        return [part for one in given for part in _parts(one)] + [kind]
-    if not isinstance(given, np.ndarray | np.generic | str | float | int | None):
+        parts: list[object] = []
+        for one in given:
+            if type(one) in PLAIN:
+                parts.append(one)
+            else:
+                parts += _parts(one)
+        parts.append(kind)
+        return parts
+    if not isinstance(given, np.ndarray | np.generic | str | float | int):
         raise TypeError(f"{kind.__name__}: nothing that is compared by what it holds")
     return [given]
 
@@ -146,10 +156,12 @@ def _read_only(found: R) -> R:
 
 def _digest(parts: list[object]) -> bytes:
     digest = sha1(usedforsecurity=False)  # takes half the time of sha256
+    said = ""
     for one in parts:
         if isinstance(one, np.ndarray):
-            digest.update(f"{one.dtype.str}{one.shape}".encode())
+            said += f"{one.dtype.str}{one.shape}"
             digest.update(_content(np.ascontiguousarray(one).reshape(-1)).view(np.uint8).data)
         else:
-            digest.update(f"{one!r};".encode())
+            said += f"{one!r};"
+    digest.update(said.encode())
     return digest.digest()

@@ -18,7 +18,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,20 +118,64 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     return _content(columns, schema.metadata or {}, loaded.path)
 
 
-def content_of(table: Table, path: str) -> Content:
-    """Return a table in memory as `read_parquet` returns one of a file.
+def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> Iterator[Content | DataError]:
+    """Yield some rows of a table in memory after others, as `read_parquet` returns them of a file each, or why not.
+
+    Columns of numbers are turned into arrays once for all.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        Of all.
+    parts : sequence of range
+        Rows of each.
+    paths : sequence of str
+        Name of each, for messages.
 
     Raises
     ------
     DataError
-        If a name appears twice, or text stands among numbers.
+        If a name appears twice; that text stands among numbers, of its rows alone.
     """
-    with as_data_errors(path, "a Parquet file"):
-        check_count(table.num_columns, COLUMNS, "columns", path)
-        _refuse_twice(table.schema.names, path)
+    from pyarrow import types  # noqa: PLC0415 - heavy import
+
+    with as_data_errors(paths[0], "a Parquet file"):
+        check_count(table.num_columns, COLUMNS, "columns", paths[0])
+        _refuse_twice(table.schema.names, paths[0])
         flat = _flat(table)
-        columns = [arrow_column(flat.column(i), field, path) for i, field in enumerate(flat.schema)]
-    return _content(columns, table.schema.metadata or {}, path)
+        whole: dict[int, Column | str] = {
+            i: arrow_column(flat.column(i), field, paths[0])
+            for i, field in enumerate(flat.schema)
+            if types.is_floating(field.type) or (types.is_integer(field.type) and not flat.column(i).null_count)
+        }
+    metadata = table.schema.metadata or {}
+    for part, path in zip(parts, paths, strict=True):
+        try:
+            with as_data_errors(path, "a Parquet file"):
+                columns = [
+                    _rows_of(whole[i], part)
+                    if i in whole
+                    else arrow_column(flat.column(i).slice(part.start, len(part)), field, path)
+                    for i, field in enumerate(flat.schema)
+                ]
+        except DataError as error:
+            yield error
+        else:
+            yield _content(columns, metadata, path)
+
+
+def _rows_of(column: Column | str, part: range) -> Column | str:
+    """Return some rows of a column of numbers."""
+    if isinstance(column, str):
+        return column
+    values = column.values[part.start : part.stop]
+    if column.is_complete:
+        return Column(column.name, values, column.unit)
+    gone, nan = (
+        rows[slice(*np.searchsorted(rows, (part.start, part.stop)))] - part.start
+        for rows in (column.empty, column.not_a_number)
+    )
+    return replace(column, values=values, empty=gone, not_a_number=nan)
 
 
 def _content(columns: Sequence[Column | str], metadata: dict[bytes, bytes], path: str) -> Content:

@@ -450,6 +450,123 @@ def fill_far(x: Samples, size: int, which: Indices, limit: float, low: float, at
 
 
 @compiled
+def smallest_step(rows: Array) -> float:
+    """Return the smallest difference of neighbours in rows (k, m) that is not zero; 0 where there is none."""
+    least = np.inf
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        for i in range(len(row) - 1):
+            apart = abs(row[i + 1] - row[i])
+            least = apart if 0.0 < apart < least else least
+    return least if least < np.inf else 0.0
+
+
+@compiled
+def may_show(
+    x: Samples,
+    bits: Samples,
+    size: int,
+    lo: Array,
+    hi: Array,
+    same: NDArray[np.int32],
+    limit: float,
+) -> bool:
+    """Return whether a record without missing samples may hold glitches, or anything that is held or stored twice.
+
+    It cannot, where no sample equals the one before, none is far from the running median (``fill_far``), no two are the
+    least or the largest, and no fingerprint occurs twice.
+    """
+    b, n = len(lo), len(x)
+    for k in range(b):
+        if same[k] > 0 or (k > 0 and x[k * size] == x[k * size - 1]):
+            return True
+    for ends in (lo, hi):
+        end = ends.min() if ends is lo else ends.max()
+        for k in range(b):
+            if ends[k] == end:
+                break
+        many = np.count_nonzero(ends == end)
+        for i in range(k * size, min((k + 1) * size, n)):
+            many += np.float64(x[i]) == end
+        if many > 2:  # its block, and itself
+            return True
+    if 0.0 < limit < np.inf:
+        which, wide = np.empty(b, dtype=np.int64), 0
+        for k in range(b):
+            first, stop = max(k - 1, 0), min(k + 2, b)
+            which[wide] = k
+            wide += hi[first:stop].max() - lo[first:stop].min() > limit
+        at, off = np.empty(1, dtype=np.int64), np.empty(1)
+        if fill_far(x, size, which[:wide], limit, limit, at, off) > 0:
+            return True
+    prints, place = np.empty(b, dtype=np.uint64), np.empty(b, dtype=np.int32)
+    fill_prints(bits, size, prints, place)
+    prints.sort()
+    for k in range(1, b):
+        if prints[k] == prints[k - 1] and prints[k] != 0:
+            return True
+    return False
+
+
+@compiled
+def _scatter(x: Array, sampled: int) -> float:
+    """Return a standard deviation that few large values do not change, of every so manieth value."""
+    some = x[:: max(len(x) // sampled, 1)].copy()
+    half = len(some) // 2
+    apart = np.abs(some - np.partition(some, half)[half])
+    return np.partition(apart, half)[half] / MAD
+
+
+@compiled
+def may_differ(
+    mean: Array,
+    rough: Array,
+    least: float,
+    even: float,
+    noise_limits: Array,
+    widths: Indices,
+    limits: Array,
+    sampled: int,
+) -> bool:
+    """Return whether the noise of blocks (b,) may change, or their level step: a part of ``levels`` for sound records.
+
+    ``noise_limits``: for the narrowest windows of 4, 8, 16 ... blocks; ``even``: scatter that these must keep to.
+    """
+    b = len(mean)
+    if not np.isfinite(rough).all() or not np.isfinite(mean).all():
+        return True
+    middle = np.median(rough) if len(noise_limits) > 0 else 0.0
+    if abs(middle - least) <= least * (ROUNDED - 1.0) and least > 0.0:
+        return True
+    sums = np.zeros(b + 1)
+    if middle > least:
+        y = np.log(np.maximum(rough, 1e-3 * middle))
+        for i in range(b):
+            sums[i + 1] = sums[i] + (y[i] - y[b // 2])
+        narrow, k, spread = 4, 0, 0.0
+        while True:
+            room = np.empty(b + 1 - 2 * narrow)
+            fill_apart(sums, narrow, room)
+            spread = _scatter(room, sampled)
+            if abs(spread - even) < ROUNDED - 1.0:
+                return True
+            if not spread > even or 8 * narrow > b:
+                break
+            narrow, k = 2 * narrow, k + 1
+        scale, many = spread * np.sqrt(narrow), 1
+        while narrow << many <= b // 4:
+            many += 1
+        own = np.empty(many, dtype=np.int64)
+        for i in range(many):
+            own[i] = narrow << i
+        if scale > 0.0 and may_change(sums, own, noise_limits[k] * scale):
+            return True
+    for i in range(b):
+        sums[i + 1] = sums[i] + (mean[i] - mean[b // 2])
+    return len(widths) > 0 and may_step(sums, widths, limits, sampled)
+
+
+@compiled
 def fill_runs(x: Samples, size: int, which: Indices, value: float, starts: Indices, stops: Indices) -> int:
     """Fill the stretches of a value that begin in the blocks ``which``; return their number, room or not."""
     found = 0

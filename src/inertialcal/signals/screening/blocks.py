@@ -126,23 +126,24 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     return Blocks(x, bits, size, lowest, highest, mean, rough, same, count)
 
 
-def pieces(x: NDArray[Any]) -> tuple[Indices, Array]:
+def pieces(x: NDArray[Any], whole: bool = False) -> tuple[Indices, Array]:
     """Return the first samples of pieces of neighbours, evenly spread, (k,), and the pieces, (k, 64 or all).
 
-    What is not finite is NaN there. The pieces hold all that a short record has, but a rest shorter than one.
+    What is not finite is NaN there; ``whole``: all are. The pieces, not to be changed, hold all that a short record
+    has, but a rest shorter than one.
     """
     length = min(PIECE, len(x))
     most = min(SUBSAMPLE // PIECE, len(x) // max(length, 1))
     if len(x) <= SUBSAMPLE:
         first = np.arange(most, dtype=np.int64) * length
-        rows = x[: most * length].astype(np.float64).reshape(most, length)
+        rows = x[: most * length].astype(np.float64, copy=not whole).reshape(most, length)
     else:
         first = np.linspace(0.0, len(x) - length, most).astype(np.int64)
         rows = np.empty((most, length))
         for own in together(x, most):
             rows[own] = x[first[own, None] + np.arange(length)]
             release(x)
-    if not known_finite(x):
+    if not whole and not known_finite(x):
         rows[~np.isfinite(rows)] = np.nan
     return first, rows
 

@@ -58,12 +58,13 @@ class Stretches:
     peak: Array
 
 
-def scale_of(x: NDArray[Any], first: Indices, rows: Array) -> Scale:
-    """Return the scale of a record with 64 samples or more, from its pieces, spread evenly over it."""
-    apart = np.abs(np.diff(rows, axis=1))
-    apart = apart[np.isfinite(apart) & (apart > 0.0)]
-    step = float(apart.min()) if len(apart) else 0.0
-    many = int(np.count_nonzero(np.isfinite(rows)))
+def scale_of(x: NDArray[Any], first: Indices, rows: Array, whole: bool = False) -> Scale:
+    """Return the scale of a record with 64 samples or more, from its pieces, spread evenly over it.
+
+    ``whole``: all samples are finite.
+    """
+    step = loops_for(len(x)).smallest_step(rows)
+    many = rows.size if whole else int(np.count_nonzero(np.isfinite(rows)))
     if many < FEWEST:
         return Scale(0.0, step, np.inf)
     top = min(TOP, 1.0 - ABOVE / many)

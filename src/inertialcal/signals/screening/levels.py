@@ -23,11 +23,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy import fft
 
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
-from .blocks import SMALLEST
+from .blocks import SMALLEST, Blocks
 from .loops import loops_for
 
 FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
@@ -36,6 +37,7 @@ NARROW = 60  # windows of the widest step in a record
 NARROWEST = 4  # blocks that the noise is averaged over
 EVEN = 0.37  # scatter of the logarithm of the noise from window to window, from which it is nearly normal
 FEWEST = 24  # blocks
+FILLED = 0.5  # of a block that must be there, for its mean to count
 SAMPLED = 2**11  # values that a scatter is taken from
 MAD = 0.6745  # median of |x| of normal noise
 INDEPENDENT = 0.25  # of the windows that a record has room for: their median scatter counts so many
@@ -95,8 +97,7 @@ def noise_changes(rough: Array, step: float) -> tuple[Change, ...]:
     if not scale > 0.0:
         return ()
     widths = _doubling(narrow, b // 4)
-    tests = sum(2.0 * b / w for w in widths)
-    limit = float(t_upper(0.5 * FALSE_ALARM / tests, _dof(b / narrow)))
+    limit = _noise_limit(b, narrow)
     if not loops_for(SMALLEST * b).may_change(sums, np.array(widths), limit * scale):
         return ()
     found: list[Change] = []
@@ -132,13 +133,11 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
         Size of a step below which rounding may feign it.
     """
     b = len(mean)
-    widths = [b // NARROW >> k for k in range((b // NARROW).bit_length() - 1, -1, -1)]  # halves of the widest
-    if b < 4 * NARROWEST or not widths:
+    wide, limits = _step_limits(b)
+    if not len(wide):
         return ()
-    sums = _sums(mean)
-    windows = b / np.array(widths, dtype=np.float64)
-    limits = t_upper(0.5 * STEP_ALARM / (len(widths) * 2.0 * windows), _dof(windows))
-    if not len(cuts) and not loops_for(SMALLEST * b).may_step(sums, np.array(widths), limits, SAMPLED):
+    sums, widths = _sums(mean), wide.tolist()
+    if not len(cuts) and not loops_for(SMALLEST * b).may_step(sums, wide, limits, SAMPLED):
         return ()
     every = {w: _bent(sums, w) for w in widths}
     scores = {w: _judged(every[w], w, b, cuts, limit) for w, limit in zip(widths, limits.tolist(), strict=True)}
@@ -155,6 +154,39 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
         for width, one in scores.items():  # the step shows in these
             one[max(at - 4 * width - w, 0) : at + w] = 0.0
     return tuple(sorted(found, key=lambda one: one.at))
+
+
+def may_change(blocks: Blocks, step: float) -> bool:
+    """Return whether `noise_changes`, `level_steps` or `slow_wave` may find anything in blocks of a whole record."""
+    b, size = len(blocks), blocks.size
+    b -= len(blocks.x) - (b - 1) * size < FILLED * size  # blocks that count
+    least, middle = (COARSE * step) ** 2, blocks.mean[:b]
+    found = loops_for(len(blocks.x)).may_differ(
+        middle, blocks.rough[:b], least, EVEN, _noise_limits(b), *_step_limits(b), SAMPLED
+    )
+    return found or slow_wave(middle, 0.0) is not None
+
+
+@lru_cache(32)
+def _noise_limits(b: int) -> Array:
+    """Return the limit of a change of the noise for the narrowest windows of 4, 8, 16 ... of so many blocks."""
+    narrowest = [NARROWEST << k for k in range(b.bit_length()) if b >= FEWEST and NARROWEST << k <= b // 4]
+    return np.array([_noise_limit(b, narrow) for narrow in narrowest])
+
+
+@lru_cache(256)
+def _noise_limit(b: int, narrow: int) -> float:
+    tests = sum(2.0 * b / w for w in _doubling(narrow, b // 4))
+    return float(t_upper(0.5 * FALSE_ALARM / tests, _dof(b / narrow)))
+
+
+@lru_cache(32)
+def _step_limits(b: int) -> tuple[Indices, Array]:
+    """Return the windows of steps in so many blocks, halves of the widest, and the limit of each; not to be changed."""
+    widths = [b // NARROW >> k for k in range((b // NARROW).bit_length() - 1, -1, -1)] if b >= 4 * NARROWEST else []
+    windows = b / np.array(widths, dtype=np.float64)
+    limits = t_upper(0.5 * STEP_ALARM / (len(widths) * 2.0 * windows), _dof(windows))
+    return np.array(widths, dtype=np.int64), limits
 
 
 def _stays(every: dict[int, Array], w: int, i: int) -> bool:
@@ -235,16 +267,16 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     Waves whose amplitude is below ``smallest`` may be made by rounding.
     """
     group = max(-(-len(mean) // GRID), 1)
-    y = mean[: len(mean) // group * group].reshape(-1, group).mean(axis=1)
+    y = mean if group == 1 else mean[: len(mean) // group * group].reshape(-1, group).mean(axis=1)
     m = len(y)
     last = m // PER_CYCLE
     if last < 2 * CYCLES:
         return None
-    at = np.arange(m) - 0.5 * (m - 1)
-    y = y - y.mean() - at * float(at @ y) / float(at @ at)
-    p = np.abs(np.fft.rfft(y * _hann(m)))[1 : last + 1] ** 2
+    at, squared = _line(m)
+    y = y - np.add.reduce(y) / m - at * float(at @ y) / squared
+    p = np.abs(fft.rfft(y * _hann(m))[1 : last + 1]) ** 2
     k = np.arange(1.0, last + 1.0)
-    if not np.all(p > 0.0) or not loops_for(SMALLEST * m).may_wave(p, CYCLES - 1, LOBE, BESIDE, STANDS):
+    if not p.min() > 0.0 or not loops_for(SMALLEST * m).may_wave(p, CYCLES - 1, LOBE, BESIDE, STANDS):
         return None
     tested = k >= CYCLES
     level = _continuum(p, np.ones(last, dtype=bool))
@@ -268,6 +300,13 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     period = m * group / float(near @ k[max(peak - 1, 0) : peak + 2] / near.sum())
     amplitude = float(np.sqrt(32.0 / 3.0 * p[max(peak - LOBE, 0) : peak + LOBE + 1].sum())) / m  # Parseval, Hann
     return Wave(period, amplitude, score) if amplitude > smallest else None
+
+
+@lru_cache(8)
+def _line(m: int) -> tuple[Array, float]:
+    """Return places about their middle, not to be changed, and the sum of their squares."""
+    at = np.arange(m) - 0.5 * (m - 1)
+    return at, float(at @ at)
 
 
 @lru_cache(8)

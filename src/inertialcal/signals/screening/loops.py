@@ -224,8 +224,30 @@ class Loops:
         out[:] = (1.0 / (3.0 * w)) * (4.0 * (d + b) - 6.0 * c - e - a)
 
     @staticmethod
+    def smallest_step(rows: Array) -> float:
+        """Return the smallest difference of neighbours in rows that is not zero; 0 where there is none."""
+        apart = np.abs(np.diff(rows, axis=1))
+        apart = apart[np.isfinite(apart) & (apart > 0.0)]
+        return float(apart.min()) if len(apart) else 0.0
+
+    @staticmethod
+    def may_show(
+        x: NDArray[Any], bits: NDArray[Any], size: int, lo: Array, hi: Array, same: NDArray[np.int32], limit: float
+    ) -> bool:  # fmt: skip
+        """Return True: the searches themselves take no longer here."""
+        return True
+
+    @staticmethod
+    def may_differ(
+        mean: Array, rough: Array, least: float, even: float, noise_limits: Array, widths: Indices, limits: Array,
+        sampled: int,
+    ) -> bool:  # fmt: skip
+        """Return True, as above."""
+        return True
+
+    @staticmethod
     def may_change(sums: Array, widths: Indices, limit: float) -> bool:
-        """Return True: the search itself takes no longer here."""
+        """Return True, as above."""
         return True
 
     @staticmethod

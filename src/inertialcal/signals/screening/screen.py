@@ -64,10 +64,11 @@ from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
 from ..remembered import remembered
 from ..time.samples import Flags, Indices
-from .blocks import Blocks, blocks_of, pieces
+from .blocks import SUBSAMPLE, Blocks, blocks_of, pieces
 from .glitches import FEWEST, Scale, Stretches, far_samples, scale_of
 from .held import HELD, Copy, Habits, Held, copies, habits_of, rails, repeats, stuck
-from .levels import level_steps, noise_changes, slow_wave
+from .levels import FILLED, level_steps, may_change, noise_changes, slow_wave
+from .loops import loops_for
 
 Code = Literal[
     "glitch", "disturbed", "saturated", "stuck", "repeated", "repeated_samples", "missing", "level_step",
@@ -75,7 +76,6 @@ Code = Literal[
 ]  # fmt: skip
 NO_READINGS: tuple[Code, ...] = ("glitch", "disturbed", "saturated", "stuck", "repeated", "missing")
 HOLES: tuple[Code, ...] = ("disturbed", "stuck")  # of which no block has part in levels
-FILLED = 0.5  # of a block that must be there, for its mean to count
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +205,10 @@ def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
         found["missing"] = _missing(blocks, lost)
     if len(x) - lost < 2:
         return Screening(tuple(found.values()), len(x), 0.0, 0.0)
-    first, rows = pieces(blocks.x)
-    scale = scale_of(blocks.x, first, rows) if len(x) >= FEWEST else Scale(0.0, 0.0, np.inf)
+    first, rows = pieces(blocks.x, whole=not lost)
+    scale = scale_of(blocks.x, first, rows, whole=not lost) if len(x) >= FEWEST else Scale(0.0, 0.0, np.inf)
+    if not lost and FEWEST <= len(x) <= SUBSAMPLE and not _may_show(blocks, scale, at_rest):
+        return Screening((), len(x), scale.sigma, scale.step)
     short, long = far_samples(blocks, scale, at_rest)
     for code, one in (("glitch", short), ("disturbed", long)):
         if len(one.places):
@@ -225,6 +227,14 @@ def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
     return Screening(
         tuple(sorted(found.values(), key=lambda one: order.index(one.code))), len(x), scale.sigma, scale.step
     )
+
+
+def _may_show(blocks: Blocks, scale: Scale, at_rest: bool) -> bool:
+    """Return whether a whole, short record may show anything: where not, nothing is searched for."""
+    found = loops_for(len(blocks.x)).may_show(
+        blocks.x, blocks.bits, blocks.size, blocks.lo, blocks.hi, blocks.same, scale.limit
+    )
+    return found or (at_rest and scale.sigma > 0.0 and may_change(blocks, scale.step))
 
 
 def _missing(blocks: Blocks, lost: int) -> Finding:

@@ -17,6 +17,7 @@ told apart, because a sample interval means something else in each:
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass
 from math import isqrt
 from typing import Literal
@@ -40,6 +41,7 @@ GAP_EXCESS = 0.4  # excess over the interval, in intervals, from which a step is
 GAP_SIGMA = 6.0  # ... and in robust standard deviations of the steps
 MAD_TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
 FEW_STEPS = 2**16  # [ns]: steps that differ by less are counted in bins
+FEW_AXES = 8  # of which what was found is kept
 QUARTER = 4  # the table of steps counts them to a quarter of the interval
 TABLE_LINES = 12  # longest table of steps
 AGAIN = "Cut the record there; sort its rows if they are in another order; or give --sample-rate if its clock was set"
@@ -113,6 +115,21 @@ def analyse(time_ns: Times, averaging: float | None = None, steps: Steps | None 
     DataError
         If there are fewer than two stamps, or they span more than int64 nanoseconds hold (292 years).
     """
+    known = _analysed.get(id(time_ns))
+    if known is not None and known[0]() is time_ns and known[1] == averaging and not time_ns.flags.writeable:
+        return known[2]
+    found = _analyse(time_ns, averaging, steps)
+    if not time_ns.flags.writeable:
+        _analysed[id(time_ns)] = weakref.ref(time_ns), averaging, found
+        if len(_analysed) > FEW_AXES:
+            del _analysed[next(iter(_analysed))]
+    return found
+
+
+_analysed: dict[int, tuple[weakref.ref[Times], float | None, TimeAxis]] = {}  # axes of the last stamps, not to change
+
+
+def _analyse(time_ns: Times, averaging: float | None, steps: Steps | None) -> TimeAxis:
     if len(time_ns) < 2:
         raise DataError(f"a time axis of {len(time_ns)} stamp(s), need 2 or more", code="too_short")
     ends = [(int(part.min()), int(part.max())) for part in (time_ns[a:b] for a, b in batches(time_ns))]
