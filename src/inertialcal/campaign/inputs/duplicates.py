@@ -8,7 +8,7 @@ duplicates.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, groupby
 
 import numpy as np
@@ -80,13 +80,13 @@ def content_of_table(name: str, entry: RecordingEntry, table: Table) -> Content:
     run = key.run(columns) if key.run is not None else None
     labels = table.text(run) if run else ("",) * len(table)
     rows = list(zip(*(table.text(one) for one in key.readings(columns)), strict=True))
-    first = {label: number for number, label in reversed(list(enumerate(labels)))}
-    order = sorted(range(len(rows)), key=lambda at: first[labels[at]])
-    place = replace(table, source=replace(table.source, path=entry.file)).where
-    return Content(
-        name, entry.file, None, tuple(rows[at] for at in order), tuple(labels[at] for at in order),
-        tuple(place(at) for at in order),
-    )  # fmt: skip
+    places = [f"{entry.file}:{row}" for row in table.rows.tolist()]
+    if len({*labels}) > 1:
+        first = {label: number for number, label in reversed(list(enumerate(labels)))}
+        order = sorted(range(len(rows)), key=[first[label] for label in labels].__getitem__)
+        rows, labels = [rows[at] for at in order], tuple([labels[at] for at in order])
+        places = [places[at] for at in order]
+    return Content(name, entry.file, None, tuple(rows), labels, tuple(places))
 
 
 def duplicates(contents: Sequence[Content]) -> Iterator[Problem]:
@@ -153,6 +153,8 @@ def _longest(rows: Sequence[tuple[str, ...]], begin: int) -> tuple[int, int, int
     begin : int
         First row of the second table; 0 where there is one: both stretches may lie in it.
     """
+    if len({*rows}) == len(rows):
+        return None
     known: dict[tuple[str, ...], list[int]] = {}
     best, before = (0, 0, 0), dict[int, int]()
     for at, row in enumerate(rows):

@@ -21,6 +21,7 @@ import weakref
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -184,7 +185,7 @@ def put(x: NDArray[Any], first: int, values: NDArray[Any]) -> None:
 
 
 def _mapping_of(x: NDArray[Any]) -> tuple[int, mmap.mmap] | None:
-    at = x.ctypes.data
+    at = x.__array_interface__["data"][0]
     for address, (size, known) in _mapped.items():
         mapping = known() if address <= at < address + size else None
         if mapping is not None:
@@ -227,11 +228,19 @@ def extremes(x: NDArray[Any], infinite: bool = True) -> tuple[float, float]:
 
     ``infinite`` says whether infinite ones count.
     """
-    known, key = _unchanged.get(), _place_of(x)
-    if known.get(key) is not None:
-        return known[key]  # type: ignore[return-value]
+    known = _unchanged.get()
+    key = _place_of(x) if known else None
+    if key is not None and (found := known.get(key)) is not None:
+        return found
     low = high = np.nan
     whole = True
+    if 0 < len(x) <= NEAR and not is_stored(x):
+        low, high = float(x.min()), float(x.max())
+        if isfinite(low) and isfinite(high):
+            if key in known:
+                known[key] = low, high
+            return low, high
+        low = high = np.nan
     for first, stop in batches(x, size=NEAR):
         part = x[first:stop]
         least, largest = float(part.min()), float(part.max())
@@ -275,8 +284,11 @@ def keep_unchanged(x: NDArray[Any]) -> None:
 
 def known_finite(x: NDArray[Any]) -> bool:
     """Return whether all samples, shape (n,), are known to be finite: x is an unchanged array or neighbours of it."""
+    unchanged = _unchanged.get()
+    if not unchanged:
+        return False
     address, kind, (n, *_), (step, *_) = _place_of(x)
-    for (start, own, (many, *_), (by, *_)), found in [*_unchanged.get().items()]:
+    for (start, own, (many, *_), (by, *_)), found in [*unchanged.items()]:
         if found is not None and own == kind and by == step and by > 0 and (address - start) % by == 0:
             first = (address - start) // by
             if first >= 0 and first + n <= many:
@@ -289,7 +301,7 @@ _unchanged: ContextVar[dict[Place, tuple[float, float] | None]] = ContextVar("un
 
 
 def _place_of(x: NDArray[Any]) -> Place:
-    return x.ctypes.data, x.dtype, x.shape, x.strides
+    return x.__array_interface__["data"][0], x.dtype, x.shape, x.strides
 
 
 def mean(x: NDArray[Any]) -> float:

@@ -60,11 +60,11 @@ def check_readings(name: str, values: NDArray[Any], unit: str | None, place: Cal
 
     if values.dtype.kind != "f" or not len(values):
         return
-    ends = extremes(values)
-    if not all(math.isfinite(one) for one in ends):
+    low, high = extremes(values)
+    if not (math.isfinite(low) and math.isfinite(high)):
         values = np.where(np.isfinite(values), values, 0.0)
-        ends = float(values.min()), float(values.max())
-    size = max(abs(one) for one in ends)
+        low, high = float(values.min()), float(values.max())
+    size = max(-low, high)
     if is_possible(size):
         return
     large = size > LARGEST

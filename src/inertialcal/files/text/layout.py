@@ -39,6 +39,7 @@ MOST_BEFORE = 100_000  # comments and blank lines before the table
 CELL_BYTES = 88  # that a cell takes as text
 LONGEST_COMMENT = 10_000  # characters of it that are looked at
 LONGEST_CELL = 400  # characters: no number is longer
+SOME = 64  # cells that tell whether a column has few different ones
 CELLS = 50  # of a line that are looked at
 ACROSS = 16  # numbers in a lone line from which it is a series
 CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
@@ -702,13 +703,14 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
     decimal : {".", ","}
         Decimal sign.
     """
-    stripped = [cell.strip(BLANKS) for cell in cells]
-    match = CELL[decimal].fullmatch
-    if max(map(len, stripped), default=0) > LONGEST_CELL:
-        groups = [m.lastgroup if len(c) <= LONGEST_CELL and (m := match(c)) else "" for c in stripped]
+    some = set(cells[:SOME])
+    if 2 * len(some) < min(len(cells), SOME):  # few different ones, as labels are: each is looked at once
+        different = {cell: cell.strip(BLANKS) for cell in set(cells)}
+        known = dict(zip(different, _kinds(list(different.values()), decimal), strict=True))
+        stripped, kinds = [different[cell] for cell in cells], np.array([known[cell] for cell in cells], "U1")
     else:
-        groups = [m.lastgroup if m else "" for m in map(match, stripped)]
-    kinds = np.array([KINDS[g] if g else "t" if c else "e" for g, c in zip(groups, stripped, strict=True)], "U1")
+        stripped = [cell.strip(BLANKS) for cell in cells]
+        kinds = np.array(_kinds(stripped, decimal), "U1")
     numbers, text = np.isin(kinds, ["i", "f"]), kinds == "t"
     none = np.empty(0, dtype=np.int64)
     empty, nan = np.flatnonzero(kinds == "e"), np.flatnonzero(kinds == "n")
@@ -722,6 +724,16 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
     bad = text | np.isinf(values)  # beyond the range of float64 is no number that can be used
     values[np.isinf(values)] = np.nan
     return Cells(_whole(values, stripped, kinds), empty, nan, np.flatnonzero(bad))
+
+
+def _kinds(cells: Sequence[str], decimal: Decimal) -> list[str]:
+    """Return the `kind` of each cell."""
+    match = CELL[decimal].fullmatch
+    if max(map(len, cells), default=0) > LONGEST_CELL:
+        groups = [m.lastgroup if len(c) <= LONGEST_CELL and (m := match(c)) else "" for c in cells]
+    else:
+        groups = [m.lastgroup if m else "" for m in map(match, cells)]
+    return [KINDS[g] if g else "t" if c else "e" for g, c in zip(groups, cells, strict=True)]
 
 
 def kind(cell: str, decimal: Decimal = ".") -> str:

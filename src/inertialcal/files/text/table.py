@@ -92,10 +92,11 @@ class Table:
         DataError
             If there is none of that name; the message lists those there are.
         """
+        if self.names.count(name) == 1:
+            return self.names.index(name)
         bare = [bare_name(given) for given in self.names]
-        for names in (list(self.names), bare):
-            if names.count(name) == 1:
-                return names.index(name)
+        if bare.count(name) == 1:
+            return bare.index(name)
         raise DataError(
             f"no column {name!r}",
             where=self.source.path,

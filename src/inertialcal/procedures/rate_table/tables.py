@@ -68,7 +68,7 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
         group=None if rows.group is None else np.array(table.text(rows.group), dtype=str),
         run=None if rows.run is None else np.array(table.text(rows.run), dtype=str),
         recording=np.full(len(table), given.name),
-        where=tuple(f"{file}:{row}" for row in table.rows.tolist()),
+        where=tuple([f"{file}:{row}" for row in table.rows.tolist()]),
         sensors=tuple(given.facts.axes),
         remarks=tuple(remarks),
     )

@@ -502,10 +502,7 @@ def may_show(
     prints, place = np.empty(b, dtype=np.uint64), np.empty(b, dtype=np.int32)
     fill_prints(bits, size, prints, place)
     prints.sort()
-    for k in range(1, b):
-        if prints[k] == prints[k - 1] and prints[k] != 0:
-            return True
-    return False
+    return bool(np.any((prints[1:] == prints[:-1]) & (prints[1:] != 0)))
 
 
 @compiled
