@@ -511,7 +511,7 @@ def _scatter(x: Array, sampled: int) -> float:
     some = x[:: max(len(x) // sampled, 1)].copy()
     half = len(some) // 2
     apart = np.abs(some - np.partition(some, half)[half])
-    return np.partition(apart, half)[half] / MAD
+    return float(np.partition(apart, half)[half]) / MAD
 
 
 @compiled

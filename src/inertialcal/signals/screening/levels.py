@@ -305,7 +305,7 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
 @lru_cache(8)
 def _line(m: int) -> tuple[Array, float]:
     """Return places about their middle, not to be changed, and the sum of their squares."""
-    at = np.arange(m) - 0.5 * (m - 1)
+    at: Array = np.arange(m, dtype=np.float64) - 0.5 * (m - 1)
     return at, float(at @ at)
 
 
