@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from inertialcal.core.errors import DataError
 from inertialcal.signals.remembered import forget
 from inertialcal.signals.screening import _kernels
+from inertialcal.signals.screening import screen as screen_module
 from inertialcal.signals.screening.blocks import blocks_of, pieces
 from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
 from inertialcal.signals.screening.loops import Loops, loops_for
@@ -562,3 +563,30 @@ def test_the_continuum_is_the_same_to_the_bit_in_a_loop_and_in_numpy() -> None:
     assert found[0].tolist() == found[1].tolist()
     level = found[0] @ part
     assert np.mean(np.minimum(values, 5.0 * level) / level) == pytest.approx(1.0, abs=0.01)  # as the likelihood asks
+
+
+def test_nothing_is_passed_over_that_the_searches_find(monkeypatch: pytest.MonkeyPatch) -> None:
+    n, passed = 2000, []
+    wave = np.sin(2.0 * np.pi * 8.0 * np.arange(n) / n)
+    made = []
+    for size in (0.0, 0.1, 0.3, 1.0, 3.0):
+        x = rng(int(10.0 * size)).normal(size=(7, n))
+        x[1, n // 2 :] += size
+        x[2, n // 3 :] *= 1.0 + 0.3 * size
+        x[3] += 0.3 * size * wave
+        x[4, 700] += 4.0 * size
+        x[5] = np.clip(x[5], -5.0, 4.0 - 0.5 * size)
+        x[6] = np.round(x[6], int(4.0 - size))
+        made += [*x]
+    monkeypatch.setattr(loops_for, "_few", 0)  # compiled
+    may_show = screen_module._may_show
+
+    def searched_all(*given: Any) -> bool:
+        passed.append(not may_show(*given))
+        return True
+
+    looked = [screen_module._looked_through(x, at_rest) for x in made for at_rest in (True, False)]
+    monkeypatch.setattr(screen_module, "_may_show", searched_all)
+    searched = [screen_module._looked_through(x, at_rest) for x in made for at_rest in (True, False)]
+    assert [(one.codes, one.noise, one.step) for one in looked] == [(s.codes, s.noise, s.step) for s in searched]
+    assert sum(passed) > 0.5 * sum(not one.findings for one in searched) > 10
