@@ -280,13 +280,22 @@ class Estimate:
         return joined_dof(variances, [component.dof for component in self.components], np.diag(self.covariance))
 
     @cached_property
-    def _shared(self) -> tuple[tuple[str, ...], list[list[float]]]:
-        """Unknowns of standards by name, and the changes of each value by them."""
+    def _by_unknown(self) -> dict[str, Array]:
         found: dict[str, Array] = {}
         for one in self.components:
             for unknown, changes in one.named_changes.items():
                 found[unknown] = found[unknown] + changes if unknown in found else np.asarray(changes, dtype=float)
-        return tuple(found), np.array([*found.values()]).reshape(len(found), len(self.names)).T.tolist()
+        return found
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """Unknowns of standards, by name."""
+        return tuple(self._by_unknown)
+
+    @cached_property
+    def changes(self) -> Array:
+        """Change of each value by one standard uncertainty of each of the `unknowns`, shape (s, k)."""
+        return np.array([*self._by_unknown.values()]).reshape(len(self._by_unknown), len(self.names))
 
     @cached_property
     def _curved(self) -> list[tuple[str, list[float], float]]:
@@ -302,13 +311,18 @@ class Estimate:
 
         Unknowns go by the name of their influence: ``"rate_table.rate"``; of several, ``"rate_table.mounting[xz]"``.
         """
-        at: int = self.index(name)
-        unknowns, changes = self._shared
-        return {unknown: 0.0 + change * times for unknown, change in zip(unknowns, changes[at], strict=True)}
+        return self.shared_at(self.index(name), times)
+
+    def shared_at(self, at: int, times: float = 1.0) -> dict[str, float]:
+        """Return the same of the value at a place."""
+        return dict(zip(self.unknowns, (0.0 + self.changes[:, at] * times).tolist(), strict=True))
 
     def curvature(self, name: Key | str, times: float = 1.0) -> dict[str, Curvature]:
         """Return what one unit of each curvature of the unit would change of a value whose line does not have it."""
-        at: int = self.index(name)
+        return self.curvature_at(self.index(name), times)
+
+    def curvature_at(self, at: int, times: float = 1.0) -> dict[str, Curvature]:
+        """Return the same of the value at a place."""
         found: dict[str, Curvature] = {}
         for term, changes, size in self._curved:
             change = changes[at] * times

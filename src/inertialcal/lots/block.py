@@ -326,7 +326,7 @@ def _finished(job: Job, unit: _Unit) -> tuple[UnitRow, Ended]:
             given.serial,
             "done",
             verdict,
-            figures.rows,
+            figures.found,
             figures.verdicts,
             remarks,
             models,

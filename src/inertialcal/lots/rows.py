@@ -7,13 +7,17 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
 import pyarrow as pa
 
 from ..campaign.engine.whole import VERDICT_COLUMNS
+from ..campaign.outcome.contents import Figure
 from ..core.errors import Problem
+from ..core.estimate import Array
 from ..core.influence import influence_of
 from ..core.remarks import Remark
-from ..core.results import COLUMNS, Row, finite
+from ..core.results import COLUMNS
+from ..procedures.display import shown_in
 
 RESULT = (*COLUMNS, "common")  # the last: the part of u that all units of a station share by its standards
 VERDICT = (*VERDICT_COLUMNS, "quantity")
@@ -50,7 +54,7 @@ class UnitRow:
     serial: str
     status: Literal["done", "quarantined"]
     verdict: str = ""
-    results: Sequence[Row] = ()
+    results: Sequence[Figure] = ()
     verdicts: Sequence[dict[str, Any]] = ()
     remarks: Sequence[tuple[str, Remark]] = ()  # Test, remark
     models: Sequence[tuple[str, str]] = ()  # Name and text of each file
@@ -74,20 +78,6 @@ def quarantined(number: int, serial: str, problems: Sequence[Problem]) -> UnitRo
     return UnitRow(number, serial, "quarantined", problems=tuple(problems))
 
 
-def result_cells(row: Row, shares: frozenset[str]) -> Cells:
-    """Return a row of ``results.json`` in the order of `RESULT`, with the influences that units of a station share."""
-    key, at, member, ends = row.key, row.key.at, row.member, row.interval
-    what, value, unit = (None, None, None) if at is None else at
-    kind, label = (None, None) if member is None else member
-    code, text = row.reason if row.reason else (None, None)
-    low, high, p = (None, None, None) if ends is None else (finite(ends.lo), finite(ends.hi), ends.p)
-    return (
-        key.quantity, key.axis, key.sensor, key.power, what, value, unit, row.test, row.condition, row.method.value,
-        kind, label, finite(row.value), finite(row.u), row.unit, finite(row.dof), low, high, p, row.status, code, text,
-        math.sqrt(sum(change**2 for name, change in row.shared.items() if influence_of(name) in shares)),
-    )  # fmt: skip
-
-
 def _verdict_cells(one: dict[str, Any]) -> Cells:
     cells = one | (one["interval"] or {})
     return tuple(None if (cell := cells.get(name)) is None else cell for name in VERDICT)
@@ -106,7 +96,6 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
     """Return units as a table of the columns of `SCHEMA`."""
     made: list[pa.Array] = []
     sources: dict[str, tuple[Callable[[UnitRow], Sequence[Any]], Callable[[Any], Cells]]] = {
-        "results": (lambda one: [result_cells(each, one.shares) for each in one.results], tuple),
         "verdicts": (lambda one: one.verdicts, _verdict_cells),
         "remarks": (lambda one: one.remarks, _remark_cells),
         "model": (lambda one: one.models, tuple),
@@ -114,7 +103,9 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
         "problems": (lambda one: one.problems, _problem_cells),
     }
     for name in OWN:
-        if name in sources:
+        if name == "results":
+            made.append(_results(rows))
+        elif name in sources:
             of_unit, cells = sources[name]
             made.append(_list(LISTS[name], [[cells(one) for one in of_unit(row)] for row in rows]))
         else:
@@ -122,16 +113,69 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
     return pa.Table.from_arrays(made, schema=SCHEMA)
 
 
-def _list(kind: pa.StructType, rows: Sequence[Sequence[Cells]]) -> pa.Array:
-    offsets = [0]
-    for row in rows:
-        offsets.append(offsets[-1] + len(row))
+def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
+    """Return the figures of units in the order of `RESULT`: text once for all units that have it, numbers as arrays."""
+    known: dict[tuple[Any, ...], int] = {}
+    places, found, common = [], [], []
+    for unit in rows:
+        for figure in unit.results:
+            row, ends = figure.row, figure.row.interval
+            said = (row.key, row.unit, row.method, row.member, row.status, row.reason, *figure[1:4])
+            places.append(known.setdefault(said, len(known)))
+            found.append((row.value, row.u, row.dof, *((None,) * 3 if ends is None else (ends.lo, ends.hi, ends.p))))
+        common.append(_common(unit))
+    texts, scale = [], np.ones(len(known))
+    for at, (key, unit, method, member, status, reason, sensor_unit, test, condition) in enumerate(known):
+        shown, scale[at] = shown_in(key.name, unit, sensor_unit)
+        place, part = key.at or (None,) * 3, member or (None,) * 2
+        cells = key.quantity, key.axis, key.sensor, key.power, *place, test, condition, method.value, *part
+        texts.append((*cells, shown, status, *(reason or (None, None))))
+    at = np.array(places, dtype=np.int64)
+    value, u, dof, lo, hi, p = np.array(found, dtype=float).reshape(-1, 6).T
+    scale = scale[at]
+    numbers = {"value": value * scale, "u": u * scale, "dof": dof, "lo": lo * scale, "hi": hi * scale, "p": p,
+               "common": np.concatenate([*common, np.empty(0)]) * scale}  # fmt: skip
+    named = dict(zip((name for name in RESULT if name not in numbers), zip(*texts, strict=True), strict=False))
+    arrays = [
+        pa.array(numbers[one.name], mask=~np.isfinite(numbers[one.name])) if one.name in numbers
+        else _column(named.get(one.name, ()), one.type).take(pa.array(at))
+        for one in LISTS["results"]
+    ]  # fmt: skip
+    return _lists(LISTS["results"], [len(one.results) for one in rows], arrays)
+
+
+def _common(unit: UnitRow) -> Array:
+    """Return the part of u of each figure of a unit that units of a station share by its standards, SI."""
+    of_estimate: dict[int, Array] = {}
+    found = np.zeros(len(unit.results))
+    for i, one in enumerate(unit.results):
+        if one.row.shared or one.estimate is None:
+            shared = one.row.shared.items() if one.row.shared else ()
+            found[i] = math.sqrt(sum(change**2 for name, change in shared if influence_of(name) in unit.shares))
+            continue
+        each = of_estimate.get(id(one.estimate))
+        if each is None:
+            acts = [influence_of(name) in unit.shares for name in one.estimate.unknowns]
+            each = of_estimate[id(one.estimate)] = np.sqrt(np.sum(one.estimate.changes[acts] ** 2, axis=0))
+        found[i] = each[one.at]
+    return found
+
+
+def _list(kind: pa.StructType, rows: Sequence[Sequence[Cells]]) -> pa.ListArray:
     every = [one for row in rows for one in row]
     columns: Iterable[Sequence[Any]] = zip(*every, strict=True) if every else [()] * kind.num_fields
-    fields = [kind.field(number) for number in range(kind.num_fields)]
-    arrays = [pa.array([_clean(cell) for cell in column] if pa.types.is_string(one.type) else column, one.type)
-              for one, column in zip(fields, columns, strict=True)]  # fmt: skip
-    return pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), pa.StructArray.from_arrays(arrays, fields=fields))
+    arrays = [_column(column, one.type) for one, column in zip(kind, columns, strict=True)]
+    return _lists(kind, [len(row) for row in rows], arrays)
+
+
+def _lists(kind: pa.StructType, lengths: Sequence[int], arrays: Sequence[pa.Array]) -> pa.ListArray:
+    """Return a list a unit, so many each, of structures."""
+    offsets = pa.array(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32))
+    return pa.ListArray.from_arrays(offsets, pa.StructArray.from_arrays(arrays, fields=list(kind)))
+
+
+def _column(cells: Sequence[Any], kind: pa.DataType) -> pa.Array:
+    return pa.array([_clean(cell) for cell in cells] if pa.types.is_string(kind) else cells, kind)
 
 
 def _clean(cell: Any) -> Any:

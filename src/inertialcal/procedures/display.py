@@ -104,7 +104,7 @@ def displayed(row: Row, sensor_unit: str, **fields: Any) -> Row:
     **fields
         Fields of the row that change as well, in its unit.
     """
-    unit, scale = _shown(row.quantity, row.unit, sensor_unit, procedure_names())
+    unit, scale = shown_in(row.quantity, row.unit, sensor_unit)
     if unit == row.unit:
         return row.changed(**fields) if fields else row
     shared, curvature = fields.pop("shared", row.shared), fields.pop("curvature", row.curvature)
@@ -119,9 +119,13 @@ def displayed(row: Row, sensor_unit: str, **fields: Any) -> Row:
     )
 
 
+def shown_in(quantity: str, unit: str, sensor_unit: str) -> tuple[str, float]:
+    """Return the unit that a row is shown in, and the factor to it; arguments as `display_unit` takes them."""
+    return _shown(quantity, unit, sensor_unit, procedure_names())
+
+
 @lru_cache(4096)
 def _shown(quantity: str, unit: str, sensor_unit: str, names: tuple[str, ...]) -> tuple[str, float]:
-    """Return the unit that a row is shown in, and the factor to it."""
     if kind_of_unit(sensor_unit) is None:
         return unit, 1.0
     shown = _display_unit(quantity, unit, sensor_unit, names)

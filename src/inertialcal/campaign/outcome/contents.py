@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from ...core.estimate import Component, Estimate
-from ...core.influence import Influence, influence_fields, lasting, standard_of
+from ...core.influence import Influence, Standards, influence_fields, lasting, standard_of
 from ...core.judging import Verdict
 from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
@@ -96,51 +98,82 @@ def results_content(
     return results
 
 
-class Figures(NamedTuple):
+class Figure(NamedTuple):
+    """A figure of a campaign before it is published: SI, with all that its published row is made of."""
+
+    row: Row  # SI
+    sensor_unit: str  # Of its sensor
+    test: str  # Or model, whose name the row has
+    condition: str
+    # That it comes from, and its place there; None where the row itself says all that it shares
+    estimate: Estimate | None = None
+    at: int = 0
+
+    def fields(self, standards: Standards) -> dict[str, Any]:
+        """Return what its published row says beyond it, SI: whose it is, what it shares with other tests."""
+        row, shared, curvature = self.row, self.row.shared, self.row.curvature
+        if self.estimate is not None:
+            shared = shared or self.estimate.shared_at(self.at)
+            curvature = curvature or self.estimate.curvature_at(self.at)
+        lasts = lasting(shared, row.u, standards)
+        return {"test": self.test, "condition": self.condition, "shared": lasts, "curvature": curvature}
+
+    def published(self, standards: Standards) -> Row:
+        """Return its row in the unit of its sensor."""
+        return displayed(self.row, self.sensor_unit, **self.fields(standards))
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
     """What a campaign found and what is said of it, without what explains it: budgets, curves, advice.
 
     Parameters
     ----------
-    rows : list of Row
-        Of ``results.json``.
+    found : list of Figure
+        Of tests and models.
     verdicts : list of dict
         Of ``results.json``, without advice.
     judged : list of (Verdict, str)
         Behind each of them its Verdict, and the quantity asked for.
+    standards : mapping of Influence
+        Of the campaign.
     """
 
-    rows: list[Row]
+    found: list[Figure]
     verdicts: list[dict[str, Any]]
     judged: list[tuple[Verdict, str]]
+    standards: Standards
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """Rows of ``results.json``."""
+        return [one.published(self.standards) for one in self.found]
 
 
 def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], modelled: Modelled | None) -> Figures:
-    """Return the figures of a campaign in the units of its sensors, and the verdicts on them."""
-    rows = displayed_rows(campaign, tested)
+    """Return the figures of a campaign, and the verdicts on them in the units of its sensors."""
+    found = [figure for one in tested for figure in _of_test(campaign, one)]
     for name, (unit, one) in named_models(campaign, modelled).items():
         estimate = None if one.model is None else one.model.estimate
         for row in parameter_rows(one):
-            shared = (
-                {}
-                if estimate is None or row.u is None
-                else lasting(estimate.shared(row.key), row.u, campaign.standards)
-            )
-            curvature = {} if estimate is None or row.u is None else estimate.curvature(row.key)
-            named = {"test": name, "condition": one.condition}
-            rows.append(displayed(row, unit, **named, shared=shared, curvature=curvature))
+            known = estimate is not None and row.u is not None
+            at = estimate.index(row.key) if estimate is not None and known else 0
+            found.append(Figure(row, unit, name, one.condition, estimate if known else None, at))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     general = campaign.file.decision.made()
     compensation = Compensation(campaign.file, () if modelled is None else modelled.delivered)
     for requirement in campaign.file.requirements:
-        found, more = judge(requirement, tested, general, compensation)
-        judged += [(verdict, requirement.quantity) for verdict in found]
-        known = {(row.test, row.key, row.case) for row in rows} if more else set()
-        stated = [row.changed(condition=tests[row.test].condition) if row.test in tests else row for row in more]
-        new = [row for row in stated if (row.test, row.key, row.case) not in known]
-        rows += [displayed(row, unit) for row in new]
-    verdicts = [
+        verdicts, more = judge(requirement, tested, general, compensation)
+        judged += [(verdict, requirement.quantity) for verdict in verdicts]
+        stated = [(row, tests[row.test].condition if row.test in tests else row.condition) for row in more]
+        known_rows = {(one.test, one.row.key, one.row.case._replace(condition=one.condition)) for one in found if more}
+        found += [
+            Figure(row, unit, row.test, condition) for row, condition in stated
+            if (row.test, row.key, row.case._replace(condition=condition)) not in known_rows
+        ]  # fmt: skip
+    rows = [
         _verdict_row(
             verdict,
             sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
@@ -148,47 +181,42 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
         )
         for verdict, asked in judged
     ]
-    return Figures(rows, verdicts, judged)
+    return Figures(found, rows, judged, campaign.standards)
 
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
     """Return the rows of tests in the units of their sensors, each with its condition and what it shares."""
-    found = []
-    for one in tested:
-        units: dict[str, str] = {}
-        for row, fields in _with_shared(campaign, one):
-            kind = row.key.sensor
-            if kind not in units:
-                units[kind] = sensor_of(campaign, one.test, kind).unit
-            found.append(displayed(row, units[kind], **fields))
-    return found
+    return [one.published(campaign.standards) for each in tested for one in _of_test(campaign, each)]
 
 
 def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
     """Return the rows of a test, SI, each with its condition and what it shares."""
-    return [row.changed(**fields) for row, fields in _with_shared(campaign, one)]
+    return [each.row.changed(**each.fields(campaign.standards)) for each in _of_test(campaign, one)]
 
 
-def _with_shared(campaign: Campaign, one: ReducedTest) -> Iterator[tuple[Row, dict[str, Any]]]:
-    """Yield the rows of a test, and the fields in which each with its condition and what it shares differs."""
+def _of_test(campaign: Campaign, one: ReducedTest) -> Iterator[Figure]:
+    """Yield the figures of a test."""
     known = {kind: _known(one, kind) for kind in one.parts}
+    units = {}
+    name, condition = one.test.id, one.test.condition
     for row in one.rows:
-        estimate, keys = known.get(row.key.sensor, (None, {}))
-        shared, curvature = row.shared, row.curvature
-        if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
-            shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
-            curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
-        lasts = lasting(shared, row.u, campaign.standards)
-        yield row, {"condition": one.test.condition, "shared": lasts, "curvature": curvature}
+        kind = row.key.sensor
+        if kind not in units:
+            units[kind] = sensor_of(campaign, one.test, kind).unit
+        estimate, at = known.get(kind, (None, {}))
+        if row.u is not None and row.method is Method.RESULT and row.member is None and row.key in at:
+            yield Figure(row, units[kind], name, condition, estimate, at[row.key])
+        else:
+            yield Figure(row, units[kind], name, condition)
 
 
-def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]]:
-    """Return the estimate of a sensor, and the key of each of its values by that of its row."""
+def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, int]]:
+    """Return the estimate of a sensor, and the place of each of its values by the key of its row."""
     part = one.parts[kind]
     if part.estimate is None:
         return None, {}
-    called = {one.procedure.called(part, key): key for key in part.estimate.keys}
-    return part.estimate, {key._replace(sensor=kind): own for key, own in called.items()} | called
+    called = {one.procedure.called(part, key): at for at, key in enumerate(part.estimate.keys)}
+    return part.estimate, ({key._replace(sensor=kind): at for key, at in called.items()} if kind else {}) | called
 
 
 def _occasions(

@@ -66,12 +66,12 @@ def _texts(given: object, line: str, known: Known) -> tuple[str, str]:
     known : dict
         Lists of numbers that were written, by identity and line.
     """
-    write = PLAIN.get(type(given))
-    if write is None and isinstance(given, LISTS):
+    kind = type(given)
+    if kind is list or kind is tuple or isinstance(given, LISTS):
         return _texts_of_list(given, line, known) if given else ("[]", "[]")
-    if write is None and isinstance(given, dict):
+    if kind is dict or isinstance(given, dict):
         return _texts_of_dict(given, line, known) if given else ("{}", "{}")
-    write = write or next((PLAIN[kind] for kind in PLAIN if isinstance(given, kind)), None)
+    write = PLAIN.get(kind) or next((PLAIN[one] for one in PLAIN if isinstance(given, one)), None)
     if write is None:
         raise TypeError(f"JSON has no {type(given).__name__}")
     text = write(given)
@@ -81,7 +81,11 @@ def _texts(given: object, line: str, known: Known) -> tuple[str, str]:
 def _texts_of_dict(given: dict[str, object], line: str, known: Known) -> tuple[str, str]:
     inner, laid, canonical = line + " ", [], {}
     for name, part in given.items():
-        key, (text, plain) = encode_basestring(name), _texts(part, inner, known)
+        key, write = encode_basestring(name), PLAIN.get(type(part))
+        if write is None:
+            text, plain = _texts(part, inner, known)
+        else:
+            text = plain = write(part)
         laid.append(f"{key}: {text}")
         canonical[name] = f"{key}:{plain}"
     ordered = ",".join([canonical[name] for name in sorted(canonical)])
@@ -94,12 +98,14 @@ def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: K
         return known[place]
     inner = line + " "
     try:
-        numbers = [*map(float.__repr__, given)]
+        texts = [*map(float.__repr__, given)]
+        _check_finite(",".join(texts))
     except TypeError:  # not floats alone
-        parts = [known.get((id(part), inner)) or _texts(part, inner, known) for part in given]
-        laid = f",{inner}".join([text for text, _ in parts])
-        return f"[{inner}{laid}{line}]", f"[{','.join([text for _, text in parts])}]"
-    canonical = ",".join(numbers)
-    _check_finite(canonical)
-    known[place] = found = f"[{inner}{f',{inner}'.join(numbers)}{line}]", f"[{canonical}]"
+        writes = [*map(PLAIN.get, map(type, given))]
+        if None in writes:
+            parts = [known.get((id(part), inner)) or _texts(part, inner, known) for part in given]
+            laid = f",{inner}".join([text for text, _ in parts])
+            return f"[{inner}{laid}{line}]", f"[{','.join([text for _, text in parts])}]"
+        texts = [write(part) for write, part in zip(writes, given, strict=True) if write]
+    known[place] = found = f"[{inner}{f',{inner}'.join(texts)}{line}]", f"[{','.join(texts)}]"
     return found

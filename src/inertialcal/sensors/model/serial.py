@@ -275,7 +275,9 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
                 "source": one.source,
                 "kind": one.kind,
                 "covariance": _rows(one.covariance),
-                "dof": [finite(dof) for dof in one.dof] if isinstance(one.dof, np.ndarray) else finite(one.dof),
+                "dof": [dof if math.isfinite(dof) else None for dof in one.dof.tolist()]
+                if isinstance(one.dof, np.ndarray)
+                else finite(one.dof),
                 "distribution": one.distribution,
                 "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
                 "origin": one.origin._asdict(),
