@@ -17,7 +17,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
@@ -79,20 +79,21 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     p = 0.5 * (1.0 + P)
     whole = np.asarray(sum(variances) if total is None else total, dtype=float)
     z_square = float(special.ndtri(p)) ** 2
-    excess, largest, fewest = np.zeros(whole.shape), np.zeros(whole.shape), np.full(whole.shape, np.inf)
-    for variance, given in zip(variances, dofs, strict=True):
-        if isinstance(given, float) and given == np.inf:
-            continue
-        dof = np.broadcast_to(np.asarray(given, dtype=float), whole.shape)
-        acts = (np.asarray(variance) > 0.0) & (whole > 0.0) & np.isfinite(dof)
-        if not acts.any():
-            continue
-        dof = np.where(acts, dof, 1.0)
-        share = np.divide(variance, whole, out=np.zeros(whole.shape), where=acts)
-        own = special.stdtrit(dof, p) ** 2 - z_square
-        excess += share ** np.maximum(1.0, 2.0 - FEW / dof) * own
-        largest = np.where(acts, np.maximum(largest, own), largest)
-        fewest = np.where(acts, np.minimum(fewest, dof), fewest)
+    pairs = [(variance, dof) for variance, dof in zip(variances, dofs, strict=True)
+             if not (isinstance(dof, float) and dof == np.inf)]  # fmt: skip
+    each, dof = (np.empty((len(pairs), *whole.shape)) for _ in range(2))
+    for row, (variance, given) in enumerate(pairs):
+        each[row], dof[row] = variance, given
+    acts = (each > 0.0) & (whole > 0.0) & np.isfinite(dof)
+    some = acts.reshape(len(pairs), -1).any(axis=1)
+    each, dof, acts = each[some], dof[some], acts[some]
+    if not len(acts):
+        return np.full(whole.shape, np.inf)
+    dof = np.where(acts, dof, 1.0)
+    share = np.divide(each, whole, out=np.zeros(each.shape), where=acts)
+    own = special.stdtrit(dof, p) ** 2 - z_square
+    excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / dof) * own, axis=0)
+    largest, fewest = np.max(np.where(acts, own, 0.0), axis=0), np.min(np.where(acts, dof, np.inf), axis=0)
     alone = excess >= largest * (1.0 - SYMMETRY)  # to the last digit that of the part
     between = ~alone & (excess > NO_EXCESS)
     joined = np.where(alone, fewest, np.inf)
@@ -158,6 +159,12 @@ class Component:
     # Curvature of the unit that its line does not have, ``"third_order_x"``: ``changes`` are then for one unit of it,
     # and ``stated`` is how large it may be; 0 where it is taken as none.
     term: str = ""
+
+    def changed(self, **fields: object) -> Component:
+        """Return the source with other values of some fields; ``dataclasses.replace`` takes several times as long."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__ | fields)
+        return found
 
     @property
     def named_changes(self) -> dict[str, Array]:
@@ -276,8 +283,8 @@ class Estimate:
     @cached_property
     def dof(self) -> Array:
         """Degrees of freedom whose t gives the interval, shape (k,); infinite where all sources are known."""
-        variances = [np.diag(component.covariance) for component in self.components]
-        return joined_dof(variances, [component.dof for component in self.components], np.diag(self.covariance))
+        variances = [component.covariance.diagonal() for component in self.components]
+        return joined_dof(variances, [component.dof for component in self.components], self.covariance.diagonal())
 
     @cached_property
     def _by_unknown(self) -> dict[str, Array]:
@@ -359,8 +366,7 @@ class Estimate:
             return self
         grid = np.ix_(at, at)
         components = tuple(
-            replace(
-                one,
+            one.changed(
                 covariance=one.covariance[grid],
                 dof=(one.dof[at] if isinstance(one.dof, np.ndarray) else one.dof),
                 changes=None if one.changes is None else one.changes[:, at],

@@ -80,6 +80,8 @@ class Rule:
 
     def within(self, unit: str, lower: float | None, upper: float | None) -> Rule:
         """Return the rule with the process in the unit of the limits."""
+        if self.process is None and self.normal is None and self.otherwise is None:
+            return self
         inner = None if self.otherwise is None else self.otherwise.within(unit, lower, upper)
         normal = None if self.process is None else self.process.normal(unit, lower, upper)
         return replace(self, normal=normal, otherwise=inner)

@@ -203,7 +203,7 @@ def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
             dof[place] = one.dof
             if labels is None or one.changes is None:
                 origin = origin if origin.test else origin._replace(test=", ".join(part.tests))
-                whole.append(_placed(replace(one, given=origin), place, dof))
+                whole.append(_placed(one.changed(given=origin), place, dof))
                 continue
             _, rows, least = shared.setdefault(origin, (one, {}, np.full(len(keys), np.inf)))
             for label, row in zip(labels, one.changes, strict=True):
@@ -232,16 +232,15 @@ def _placed(one: Component, place: Sequence[int], dof: Array) -> Component:
     if one.changes is not None:
         changes = np.zeros((len(one.changes), len(dof)))
         changes[:, place] = one.changes
-    return replace(one, covariance=covariance, dof=dof, changes=changes)
+    return one.changed(covariance=covariance, dof=dof, changes=changes)
 
 
 def _of_changes(one: Component, origin: Origin, rows: Mapping[str, Array], dof: Array) -> Component:
     changes = np.array(list(rows.values())).reshape(len(rows), len(dof))
     covariance = changes.T @ changes
     unknowns = tuple(rows) if one.unknowns else ()
-    return replace(
-        one, given=origin, covariance=0.5 * (covariance + covariance.T), dof=dof, changes=changes, unknowns=unknowns
-    )
+    covariance = 0.5 * (covariance + covariance.T)
+    return one.changed(given=origin, covariance=covariance, dof=dof, changes=changes, unknowns=unknowns)
 
 
 def _origins(found: Sequence[Provenance]) -> Provenance:

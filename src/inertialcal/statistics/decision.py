@@ -113,8 +113,7 @@ def decide(
     low = 0.0 if lower is None else below((lower - value) / u, dof)
     high = 0.0 if upper is None else below((value - upper) / u, dof)
     ratio = uncertainty_ratio(coverage_factor(dof, p) * u, lower, upper)
-    found = _judged(rule, value, accept, reject, lower, upper, low + high, ratio, words)
-    return replace(found, value=value, u=u, dof=dof, interval=interval)
+    return _judged(rule, value, u, dof, interval, accept, reject, lower, upper, low + high, ratio, words)
 
 
 def decide_by(
@@ -175,8 +174,7 @@ def decide_by(
         factor = rule.factor if rule.name == "guard_factor" else 0.0
         accept = Interval(value - factor * (value - lo) if factor else value,
                           value + factor * (hi - value) if factor else value, interval.p)  # fmt: skip
-    found = _judged(rule, value, accept, accept, lower, upper, None, ratio, words)
-    return replace(found, value=value, u=u, interval=interval)
+    return _judged(rule, value, u, None, interval, accept, accept, lower, upper, None, ratio, words)
 
 
 def no_change(
@@ -300,6 +298,9 @@ def _words(rule: Rule, p: float, both: bool) -> str:
 def _judged(
     rule: Rule,
     value: float | None,
+    u: float | None,
+    dof: float | None,
+    interval: Interval,
     accept: Interval,
     reject: Interval,
     lower: float | None,
@@ -335,4 +336,4 @@ def _judged(
         ratio,
         reject if status == "FAIL" and not rule.binary else accept,
     )
-    return Verdict(status, None, None, None, None, lower, upper, words, reason, basis)
+    return Verdict(status, value, u, dof, interval, lower, upper, words, reason, basis)

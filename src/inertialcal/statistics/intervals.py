@@ -66,6 +66,11 @@ def coverage_factor(dof: float, p: float = 0.95) -> float:
     PlanError
         If ``p`` is not between 0 and 1.
     """
+    return _coverage_factor(float(dof), float(p))
+
+
+@lru_cache(maxsize=4096)
+def _coverage_factor(dof: float, p: float) -> float:
     _check_probability(p)
     return t_quantile(dof, 0.5 * (1.0 + p))
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -401,7 +402,16 @@ class ReducedTest:
         found: Result = self.tested.result
         return found
 
-    @property
+    @cached_property
+    def plain_rows(self) -> Mapping[str, Sequence[Row]]:
+        """Rows by quantity that are its results, neither by another way nor of a part of the readings."""
+        found: dict[str, list[Row]] = {}
+        for row in self.rows:
+            if row.method is Method.RESULT and row.member is None and row.key.at is None:
+                found.setdefault(row.quantity, []).append(row)
+        return found
+
+    @cached_property
     def parts(self) -> Mapping[str, Result]:
         """The result by kind of sensor; under no name where the test has one sensor."""
         found: Mapping[str, Result] = self.procedure.by_sensor(self.tested.result)

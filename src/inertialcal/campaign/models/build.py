@@ -362,7 +362,7 @@ def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> 
                 label = occasion.drew(known.redrawn_by)
                 if not label or any(label != each.drew(known.redrawn_by) for each in others):
                     origin = origin._replace(test=", ".join(part.terms.tests))
-            components.append(replace(one, given=origin) if origin != one.origin else one)
+            components.append(one.changed(given=origin) if origin != one.origin else one)
         same = all(mine is its for mine, its in zip(components, estimate.components, strict=True))
         found.append(
             part.terms if same else replace(part.terms, estimate=replace(estimate, components=tuple(components)))

@@ -138,8 +138,7 @@ def _open(asked: Asked) -> Verdict:
 
 def _figures(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
     for one in about:
-        rows = [row for row in one.rows if row.quantity == asked.quantity and asked.axis in (None, row.axis)]
-        rows = [row for row in rows if row.case.plain]
+        rows = [row for row in one.plain_rows.get(asked.quantity, ()) if asked.axis in (None, row.axis)]
         comparable = [row for row in rows if asked.comparable(row.unit)] if len(one.parts) > 1 else []
         yield from (_figure(asked, one, row) for row in comparable or rows)
 

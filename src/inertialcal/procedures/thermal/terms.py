@@ -12,7 +12,6 @@ polynomial, which lies midway between the paths. A model with it needs to know w
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -90,7 +89,7 @@ def _with_hysteresis(result: Result, test: str, estimate: Estimate) -> Estimate:
     for part in estimate.components:
         dof = np.append(np.broadcast_to(part.dof, k), np.full(n, np.inf))
         changes = None if part.changes is None else np.pad(part.changes, ((0, 0), (0, n)))
-        wider.append(replace(part, covariance=np.pad(part.covariance, (0, n)), dof=dof, changes=changes))
+        wider.append(part.changed(covariance=np.pad(part.covariance, (0, n)), dof=dof, changes=changes))
     return Estimate(
         (*estimate.keys, *found),
         np.append(estimate.values, values),

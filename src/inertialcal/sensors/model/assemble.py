@@ -14,7 +14,17 @@ from ...core.key import Kind
 from ...core.units import factor
 from .sensitivity import PARTS, PRESSURE, ChannelReference, Sensitivity, quantity_of
 from .sensor_model import SensorModel
-from .terms import FORCE_AXES, PER_AXIS, SHAPES, Parameter, orders, parameter_keys, with_values
+from .terms import (
+    FORCE_AXES,
+    PER_AXIS,
+    SHAPES,
+    Parameter,
+    orders,
+    parameter_keys,
+    parameters,
+    read_only_term,
+    with_values,
+)
 
 NOT_ESTIMATED = "no test gives it: taken as 0"
 
@@ -58,8 +68,12 @@ def model_from(
     refer = references or {}
     if PRESSURE in refer:
         fields = {"reference_pressure": refer[PRESSURE].value, "pressure_range": refer[PRESSURE].range} | fields
-    blank = SensorModel(**(fields | _blank_terms(estimate, axes, refer)))
-    known = {one.name: one for one in blank.parameters}
+    blank = _blank_terms(estimate, axes, refer)
+    sensitivities = blank.pop("sensitivities")
+    own = {name: array for name, array in (fields | blank).items() if name in SHAPES and array is not None}
+    arrays = {name: read_only_term(name, array, len(axes)) for name, array in own.items()}
+    arrays |= {name: array for one in sensitivities for name, array in one.terms.items()}
+    known = {one.name: one for one in parameters(axes, unit, arrays, sensitivities)}
     strangers = [name for name in estimate.names if name not in known]
     if strangers:
         raise DataError(
@@ -71,7 +85,10 @@ def model_from(
     changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
     changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
     missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
-    return with_parameters(blank, changes, estimate=held, not_estimated=missing)
+    terms = with_values(arrays, changes)
+    fields |= {name: array for name, array in terms.items() if name in SHAPES}
+    made = tuple(one.with_terms(terms) for one in sensitivities)
+    return SensorModel(**fields, sensitivities=made, estimate=held, not_estimated=missing)
 
 
 def with_parameters(
@@ -97,7 +114,7 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
     factors = np.array([factor(own, other) for own, other in zip(estimate.units, units, strict=True)])
     grid = np.outer(factors, factors)
     components = tuple(
-        replace(one, covariance=one.covariance * grid, changes=None if one.changes is None else one.changes * factors)
+        one.changed(covariance=one.covariance * grid, changes=None if one.changes is None else one.changes * factors)
         for one in estimate.components
     )
     return Estimate(estimate.keys, estimate.values * factors, units, components)

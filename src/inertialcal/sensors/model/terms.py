@@ -90,17 +90,29 @@ def parameters(
     axes: Sequence[str], unit: str, arrays: Mapping[str, Array], sensitivities: Iterable[Sensitivity] = ()
 ) -> tuple[Parameter, ...]:
     """Return the parameters of the terms that are present."""
-    found: list[Parameter] = []
-    found += _matrix(axes, arrays["matrix"])
+    lengths = tuple((name, len(array)) for name, array in arrays.items())
+    channels = tuple((one.channel, one.unit, tuple(one.parts)) for one in sensitivities)
+    return _parameters(tuple(axes), unit, lengths, channels)
+
+
+@lru_cache(maxsize=64)
+def _parameters(
+    axes: tuple[str, ...],
+    unit: str,
+    lengths: tuple[tuple[str, int], ...],
+    sensitivities: tuple[tuple[str, str, tuple[str, ...]], ...],
+) -> tuple[Parameter, ...]:
+    arrays = dict(lengths)
+    found = _matrix(axes, arrays["matrix"])
     for name, (quantity, form) in PER_AXIS.items():
         if name in arrays:
             found += [_parameter(Key(quantity, a), form, unit, name, (i,)) for i, a in enumerate(axes)]
     for name, (quantity, form) in PER_POWER.items():
-        for j in range(len(arrays.get(name, ()))):
+        for j in range(arrays.get(name, 0)):
             power = f"^{j + 1}" if j and name == "bias_temperature" else ""
             keys = [Key(quantity, a, power=j + 1) for a in axes]
             found += [_parameter(key, form + power, unit, name, (j, i)) for i, key in enumerate(keys)]
-    for m in range(len(arrays.get("warm_up_time", ()))):
+    for m in range(arrays.get("warm_up_time", 0)):
         found.append(_parameter(Key("warm_up_time", power=m + 1), "s", unit, "warm_up_time", (m,)))
     if "g_sensitivity" in arrays:
         pairs = [(i, a, j, f) for i, a in enumerate(axes) for j, f in enumerate(FORCE_AXES)]
@@ -108,10 +120,10 @@ def parameters(
             _parameter(Key("g_sensitivity", a + f), "({U})/(m/s^2)", unit, "g_sensitivity", (i, j))
             for i, a, j, f in pairs
         ]
-    for one in sensitivities:
-        for part in one.parts:
-            name, per_channel = quantity_of(part, one.channel), parameter_unit(part, unit, one.unit)
-            found += [Parameter(Key(name, a), per_channel, name, (i,), one.channel, part) for i, a in enumerate(axes)]
+    for channel, its, parts in sensitivities:
+        for part in parts:
+            name, per_channel = quantity_of(part, channel), parameter_unit(part, unit, its)
+            found += [Parameter(Key(name, a), per_channel, name, (i,), channel, part) for i, a in enumerate(axes)]
     return tuple(found)
 
 
@@ -119,9 +131,9 @@ def _parameter(key: Key, form: str, unit: str, field: str, index: tuple[int, ...
     return Parameter(key, normalise(form.replace("{U}", unit)), field, index)
 
 
-def _matrix(axes: Sequence[str], matrix: Array) -> list[Parameter]:
+def _matrix(axes: Sequence[str], powers: int) -> list[Parameter]:
     found = []
-    for j in range(len(matrix)):
+    for j in range(powers):
         diagonal = "scale_factor_error_temperature" if j else "scale_factor_error"
         cross = "cross_axis_sensitivity_temperature" if j else "misalignment"
         unit = f"1/degC^{j}" if j > 1 else "1/degC" if j else "1"
