@@ -6,6 +6,7 @@ given all units of the block at once (``Procedure.reduce_many``). What is refuse
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import io
 import json
@@ -224,6 +225,19 @@ def campaign_for(
     return replace(own, folder=root, file=timed, standards=standards)
 
 
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Look for no unreachable objects meanwhile: each look goes through all that there is, modules and units alike."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
+
+
+@_uncollected()
 @one_blas_thread()
 def reduce_block(job: Job, units: Sequence[Given]) -> Block:
     """Return a block of units reduced; no unit ends another.
