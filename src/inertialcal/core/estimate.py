@@ -85,10 +85,10 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     for row, (variance, given) in enumerate(pairs):
         each[row], dof[row] = variance, given
     acts = (each > 0.0) & (whole > 0.0) & np.isfinite(dof)
-    some = acts.reshape(len(pairs), -1).any(axis=1)
-    each, dof, acts = each[some], dof[some], acts[some]
-    if not len(acts):
+    if not acts.any():
         return np.full(whole.shape, np.inf)
+    some = acts.any(axis=tuple(range(1, acts.ndim)))
+    each, dof, acts = each[some], dof[some], acts[some]
     dof = np.where(acts, dof, 1.0)
     share = np.divide(each, whole, out=np.zeros(each.shape), where=acts)
     own = special.stdtrit(dof, p) ** 2 - z_square

@@ -67,9 +67,9 @@ def _texts(given: object, line: str, known: Known) -> tuple[str, str]:
         Lists of numbers that were written, by identity and line.
     """
     kind = type(given)
-    if kind is list or kind is tuple or isinstance(given, LISTS):
+    if isinstance(given, LISTS):
         return _texts_of_list(given, line, known) if given else ("[]", "[]")
-    if kind is dict or isinstance(given, dict):
+    if isinstance(given, dict):
         return _texts_of_dict(given, line, known) if given else ("{}", "{}")
     write = PLAIN.get(kind) or next((PLAIN[one] for one in PLAIN if isinstance(given, one)), None)
     if write is None:
