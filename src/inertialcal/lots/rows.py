@@ -125,8 +125,8 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
             found.append((row.value, row.u, row.dof, *((None,) * 3 if ends is None else (ends.lo, ends.hi, ends.p))))
         common.append(_common(unit))
     texts, scale = [], np.ones(len(known))
-    for at, (key, unit, method, member, status, reason, sensor_unit, test, condition) in enumerate(known):
-        shown, scale[at] = shown_in(key.name, unit, sensor_unit)
+    for i, (key, unit, method, member, status, reason, sensor_unit, test, condition) in enumerate(known):
+        shown, scale[i] = shown_in(key.name, unit, sensor_unit)
         place, part = key.at or (None,) * 3, member or (None,) * 2
         cells = key.quantity, key.axis, key.sensor, key.power, *place, test, condition, method.value, *part
         texts.append((*cells, shown, status, *(reason or (None, None))))
