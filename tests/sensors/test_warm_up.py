@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +28,7 @@ def test_without_noise_the_transient_is_found() -> None:
     found = find_warm_up(np.tile(t, 2), y, np.repeat([0, 1], t.size))
     assert found.change == pytest.approx(A, rel=1e-4)
     assert found.time_constant == pytest.approx(TAU, rel=1e-4)
-    assert found.settled_after(A / np.e) == pytest.approx(TAU, rel=1e-3)
+    assert found.settled_after(A / math.e) == pytest.approx(TAU, rel=1e-3)
 
 
 def test_settled_is_where_less_than_the_tolerance_is_left() -> None:
