@@ -247,7 +247,7 @@ def test_init_writes_a_file_that_check_accepts_once_filled(capsys: pytest.Captur
     refused = call_json(capsys, "check", str(folder))
     assert [one["where"] for one in refused["errors"]] == [f"campaign.toml:{n}" for n in content["to_fill"]]
     filled = [line.replace('axis = "?"', 'axis = "x"').replace('"?"', '"deg/s"') for line in lines]
-    filled = [line.removesuffix("# FILL IN").rstrip() for line in lines]
+    filled = [line.removesuffix("# FILL IN").rstrip() for line in filled]
     path.write_text("\n".join(filled) + "\n")
     status, _, err = call(capsys, "check", str(folder))
     assert (status, err) == (0, "")
