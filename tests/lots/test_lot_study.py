@@ -72,7 +72,7 @@ def lot(
     figures = tuple(Figure("test", name, "x", "", 0, "", None, "", "", UNIT[name]) for name in names)
     return Table(
         tuple(f"U{k:04d}" for k in units), ("done",) * rows, tuple(JUDGED[0 if one else 1] for one in good),
-        ("",) * rows, figures, values, u, np.full(values.shape, np.inf), common, limits, frozenset(), cells,
+        ("",) * rows, figures, values, u, np.full(values.shape, np.inf), common, limits, {}, cells,
     )  # fmt: skip
 
 

@@ -31,7 +31,7 @@ from ..core.show.tables import Block
 from ..core.show.tables import Table as Shown
 from ..statistics.population.factors import ROUNDING, Along, Level, along, levels
 from ..statistics.population.gauge import Gauge, gauge
-from ..statistics.population.outliers import Outliers, outliers
+from ..statistics.population.outliers import Outliers, Uncertain, outliers
 from ..statistics.population.risks import Risks, Share, risks, share
 from ..statistics.population.scatter import Capability, Population, population
 from .table import JUDGED, Figure, Limits, Table
@@ -195,7 +195,7 @@ def study(table: Table, columns: Columns, remarks: Sequence[Remark] = ()) -> Stu
     """
     stations, names = table.levels(columns.station) if columns.station else (np.zeros(len(table), np.intp), ("",))
     place, _ = table.place(columns.place) if columns.place else (np.arange(len(table), dtype=float), "")
-    first, far = table.first, _outliers(table)
+    first, far = table.first, _outliers(table, stations)
     odd_rows = _odd_rows(far, len(table))
     usable = [k for k in range(len(table.figures)) if _varies(table.values[first, k])]
     factors = {name: table.levels(name) for name in columns.factors}
@@ -291,7 +291,7 @@ def _judged(table: Table, k: int, limits: Limits, found: Population | None) -> J
     return Judged(limits, share(passed, rows.size), failed, capable, wrong)
 
 
-def _outliers(table: Table) -> Outliers | None:
+def _outliers(table: Table, stations: NDArray[np.intp]) -> Outliers | None:
     """Return how far units lie from the rest: parameters with limits first, then those of the model."""
     parameters = [
         k
@@ -301,7 +301,9 @@ def _outliers(table: Table) -> Outliers | None:
     order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
-    found = outliers(table.values[:, order], table.first)
+    own = (one[:, order] for one in (table.own, table.own_dof, table.common))
+    uncertain = Uncertain(*own, stations, np.column_stack([table.usual(k) for k in order]))
+    found = outliers(table.values[:, order], table.first, uncertain)
     return Outliers(np.array(order, dtype=np.intp)[found.used], found.logarithm, found.distance, found.limit,
                     found.outlier, found.deviation, found.heavy)  # fmt: skip
 

@@ -21,6 +21,7 @@ from ..core.estimate import Array
 from ..core.key import At, Key, Method
 
 IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
+PARAMETER = ("quantity", "axis", "sensor", "power")
 LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
 ASSEMBLED = "model"  # test of figures that stand in another test already
 NOT_STATED = "not stated"  # level of an empty cell
@@ -83,8 +84,8 @@ class Table:
         Part of u that all units of a station share by its standards.
     limits : mapping of int to tuple of Limits
         Of columns that requirements judge.
-    parameters : frozenset
-        Of the models, as ``Figure.parameter`` names them.
+    parameters : mapping
+        Of the models, as ``Figure.parameter`` names them: which rows have each, ndarray of bool, shape (n,).
     columns : pyarrow.Table
         What the table of units says beside the serial.
     """
@@ -99,7 +100,7 @@ class Table:
     dof: Array
     common: Array
     limits: Mapping[int, tuple[Limits, ...]]
-    parameters: frozenset[tuple[str, str, str, int]]
+    parameters: Mapping[tuple[str, str, str, int], NDArray[np.bool_]]
     columns: pa.Table
 
     def __len__(self) -> int:
@@ -129,6 +130,18 @@ class Table:
         seen: set[str] = set()
         return np.array([one not in seen and state == "done" and not seen.add(one)  # type: ignore[func-returns-value]
                          for one, state in zip(self.serials, self.statuses, strict=True)])  # fmt: skip
+
+    def usual(self, number: int) -> NDArray[np.bool_]:
+        """Return which rows have a figure from the same terms of the model as most: of its test, sensor and axis."""
+        own = self.figures[number]
+        beside = {one.parameter for one in self.figures
+                  if (one.test, one.sensor, one.axis) == (own.test, own.sensor, own.axis)}  # fmt: skip
+        has = [rows for name, rows in self.parameters.items() if name in beside]
+        if not has:
+            return np.ones(len(self), dtype=bool)
+        which = np.unique(np.column_stack(has), axis=0, return_inverse=True)[1].reshape(-1)
+        known = self.first & np.isfinite(self.values[:, number])
+        return np.asarray(which == np.argmax(np.bincount(which[known], minlength=1)))
 
     def levels(self, name: str) -> tuple[NDArray[np.intp], tuple[str, ...]]:
         """Return the level of each row and the names of levels, of a column of the table of units."""
@@ -201,7 +214,8 @@ class _Made:
         self.judged: list[tuple[Any, ...]] = []  # row, number of the limit, verdict: arrays
         self.heads: list[pa.Table] = []
         self.count = 0
-        self.parameters: set[tuple[str, str, str, int]] = set()
+        self.parameters: dict[tuple[Any, ...], int] = {}
+        self.modelled: list[tuple[Any, ...]] = []  # row, number of the parameter: arrays
 
     def add(self, part: pa.Table) -> None:
         first, self.count = self.count, self.count + part.num_rows
@@ -210,10 +224,10 @@ class _Made:
         keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
         keep = pc.and_(keep, pc.equal(found["status"], "estimated"))
         assembled = pc.equal(found["test"], ASSEMBLED)
-        of_models = found.filter(assembled).select(["quantity", "axis", "sensor", "power"]).group_by(
-            ["quantity", "axis", "sensor", "power"]).aggregate([])  # fmt: skip
-        for row in of_models.to_pylist():
-            self.parameters.add((row["quantity"], row["axis"] or "", row["sensor"] or "", int(row["power"] or 0)))
+        of_model = np.asarray(pc.fill_null(pc.and_(keep, assembled), False).to_numpy(zero_copy_only=False), dtype=bool)
+        self.modelled.append(
+            (rows[of_model], self._numbered(found.filter(pa.array(of_model)), PARAMETER, self.parameters))
+        )
         keep = pc.and_(keep, pc.invert(assembled))
         kept = np.asarray(pc.fill_null(keep, False).to_numpy(zero_copy_only=False), dtype=bool)
         found, rows = found.filter(pa.array(kept)), rows[kept]
@@ -260,7 +274,14 @@ class _Made:
                  for name in ("serial", "status", "verdict", "reason_code")}  # fmt: skip
         rest = head.drop_columns(list(texts))
         return Table(texts["serial"], texts["status"], texts["verdict"], texts["reason_code"], figures, values, u, dof,
-                     common, self._limits(figures), frozenset(self.parameters), rest)  # fmt: skip
+                     common, self._limits(figures), self._modelled(), rest)  # fmt: skip
+
+    def _modelled(self) -> dict[tuple[str, str, str, int], NDArray[np.bool_]]:
+        has = np.zeros((self.count, len(self.parameters)), dtype=bool)
+        for rows, at in self.modelled:
+            has[rows, at] = True
+        return {(quantity, axis or "", sensor or "", int(power or 0)): has[:, number]
+                for (quantity, axis, sensor, power), number in self.parameters.items()}  # fmt: skip
 
     def _limits(self, figures: Sequence[Figure]) -> dict[int, tuple[Limits, ...]]:
         verdicts = np.full((self.count, len(self.asked)), -1, dtype=np.int8)

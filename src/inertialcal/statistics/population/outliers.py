@@ -1,9 +1,19 @@
 """Units that are of another kind than the rest: robust Mahalanobis distances on all parameters together.
 
-Each parameter is centred and scaled robustly; their joint covariance is that of the orthogonalized Gnanadesikan-
-Kettenring estimate [1]_, reweighted: mean and covariance of the units that are no outliers. A unit that was not among
-these is as far off as a new observation would be, whose squared distance follows ``p (n^2 - 1) / (n (n - p)) F(p, n -
-p)`` [2]_. A unit is an outlier beyond the quantile by which a lot of normal units has any in 5 %.
+A parameter of a unit is ``mean + d + b + e``: d what the population scatters, b what its station shares, e what its
+test draws anew. Each is standardized by what the unit's own test allows: by ``sqrt(s^2 + u^2)``, s robustly of the lot
+and u that of the unit, and told as the normal deviate that is as rare as it is by Student's t with the degrees of
+freedom of that sum (Welch-Satterthwaite). So a unit whose test is ten times as uncertain has to lie ten times as far
+off. Uncertainties on few degrees of freedom are moderated by those of the other units [1]_, but for those that are
+larger than that explains, and for units whose test chose other terms than most (``usual``): what was chosen by chance
+has an uncertainty that is small by chance, and other units do not tell it. Of b the part that the units of a station
+show is taken off, the rest is allowed for.
+
+The joint covariance of what is so standardized is that of the orthogonalized Gnanadesikan-Kettenring estimate [2]_,
+reweighted: mean and covariance of the units that are no outliers. A unit that was not among these is as far off as a
+new observation would be, whose squared distance follows ``p (n^2 - 1) / (n (n - p)) F(p, n - p)`` [3]_. Parameters
+with an uncertainty of their own correlate otherwise than those of most units: each is judged apart, with half of the
+false alarms that are allowed. A unit is an outlier beyond the quantile by which a lot of normal units has any in 5 %.
 
 A unit may lack parameters: it is judged on those that it has. Parameters that are positive and skewed are taken as
 logarithms; one of heavy tails is left out. What breaks this: heavy tails of several together, of which more than the
@@ -13,18 +23,19 @@ several times one test makes centre and covariance: all of them would make a clu
 
 References
 ----------
-.. [1] R. A. Maronna and R. H. Zamar, Technometrics 44 (2002) 307-317.
-.. [2] J. Hardin and D. M. Rocke, J. Comput. Graph. Stat. 14 (2005) 928-946, section 2.
+.. [1] G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004) 3, section 4.
+.. [2] R. A. Maronna and R. H. Zamar, Technometrics 44 (2002) 307-317.
+.. [3] J. Hardin and D. M. Rocke, J. Comput. Graph. Stat. 14 (2005) 928-946, section 2.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
+from scipy import optimize, special
 
 from ...core.estimate import Array
 
@@ -38,6 +49,11 @@ HEAVY = 1.3  # times as far out as normal units, from which tails are heavy
 ROUNDS = 10  # of the covariance
 TAILS = 100  # units from which tails of one parameter are looked at
 KNOWN = 0.5  # share of the units that must have a parameter
+NORMAL = 0.6744897501960817  # median absolute deviate of a normal population
+SURE = 1e6  # degrees of freedom that are as good as no end
+PRIORS = (SURE, 200.0, 100.0, 50.0, 30.0, 20.0, 15.0, 10.0, 7.0, 5.0, 4.0, 3.0, 2.0, 1.0)  # degrees of freedom
+OWN = 0.01  # probability of so large an uncertainty from which it is the unit's own, whatever the others have
+APART = 1.1  # times that a parameter may scatter wider than of most units, and correlate as theirs
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +73,7 @@ class Outliers:
     outlier : ndarray of bool, shape (n,)
         Which are.
     deviation : ndarray, shape (n, len(used))
-        Each parameter of each unit, robustly standardized; NaN where it has none.
+        Each parameter of each unit, standardized by what its own test allows; NaN where it has none.
     heavy : bool
         Whether the rest has heavier tails than a normal population.
     """
@@ -71,7 +87,32 @@ class Outliers:
     heavy: bool
 
 
-def outliers(values: Array, first: NDArray[np.bool_] | None = None) -> Outliers:
+@dataclass(frozen=True, eq=False)
+class Uncertain:
+    """How uncertain values are, each array of the shape of the values (n, p) but ``station``.
+
+    Parameters
+    ----------
+    u : ndarray
+        Standard uncertainty that is drawn anew for each unit.
+    dof : ndarray
+        Its degrees of freedom; may be infinite.
+    common : ndarray
+        Standard uncertainty that all units of a station share.
+    station : ndarray of int, shape (n,)
+        Of each unit.
+    usual : ndarray of bool
+        Which come of the same estimator as those of most units.
+    """
+
+    u: Array
+    dof: Array
+    common: Array
+    station: NDArray[np.intp]
+    usual: NDArray[np.bool_]
+
+
+def outliers(values: Array, first: NDArray[np.bool_] | None = None, uncertain: Uncertain | None = None) -> Outliers:
     """Return how far units lie from the rest.
 
     Parameters
@@ -80,49 +121,168 @@ def outliers(values: Array, first: NDArray[np.bool_] | None = None) -> Outliers:
         Parameters of units, the most important first; NaN where a unit has none.
     first : ndarray of bool, shape (n,), optional
         Which rows are the one of their unit that the rest is known from; all if not given. Every row is judged.
+    uncertain : Uncertain, optional
+        Of the values; the units scatter all alike if not given.
     """
     first = np.ones(len(values), dtype=bool) if first is None else first
     n = int(first.sum())
     known = np.isfinite(values)
-    scaled, logarithm = np.full(values.shape, np.nan), np.zeros(values.shape[1], dtype=bool)
+    z, wide = np.full(values.shape, np.nan), np.zeros(values.shape, dtype=bool)
+    logarithm = np.zeros(values.shape[1], dtype=bool)
     good: list[int] = []
     for j in range(values.shape[1]):
-        own = values[known[:, j] & first, j]
-        if own.size < max(KNOWN * n, 2 * PER_PARAMETER) or len(good) >= n // PER_PARAMETER:
+        rows = np.flatnonzero(known[:, j])
+        of_rest = first[rows]
+        if of_rest.sum() < max(KNOWN * n, 2 * PER_PARAMETER) or len(good) >= n // PER_PARAMETER:
             continue
-        logarithm[j] = _skewed(own)
-        x = np.log(own) if logarithm[j] else own
-        middle = float(np.median(x))
-        scale = MAD * float(np.median(np.abs(x - middle)))
-        if not scale > 0.0:
-            continue
-        if (
-            own.size >= TAILS
-            and np.quantile(np.abs(x - middle), BULK) > HEAVY * -special.ndtri((1.0 - BULK) / 2.0) * scale
-        ):
-            continue
-        every = values[known[:, j], j]
+        x, one = values[rows, j], None if uncertain is None else _of_rows(uncertain, rows, j)
+        logarithm[j] = _skewed(x[of_rest])
         if logarithm[j]:
             with np.errstate(invalid="ignore", divide="ignore"):
-                every = np.log(every)
-        scaled[known[:, j], j] = (every - middle) / scale
+                one = None if one is None else replace(one, u=one.u / x, common=one.common / x)
+                x = np.log(x)
+        found = _standardized(x, of_rest, one)
+        if found is None:
+            continue
+        z[rows, j], wide[rows, j] = found
         good.append(j)
     used = np.array(good, dtype=np.intp)
-    z = scaled[:, used]
+    z, wide = z[:, used], wide[:, used]
     distance, heavy = np.full(len(values), np.nan), False
     limit = float(-special.ndtri(P / max(len(values), 1) / 2.0))
     if used.size:
-        whole = np.isfinite(z).all(axis=1) & first
+        complete = np.isfinite(z).all(axis=1) & first
+        whole = complete & ~wide.any(axis=1)
+        if whole.sum() < max(complete.sum() / 2, PER_PARAMETER):
+            whole = complete
         centre, covariance, inside = _robust(z[whole])
-        has, which = np.unique(np.isfinite(z), axis=0, return_inverse=True)
-        for k, columns in enumerate(has):
-            units = np.flatnonzero(which.reshape(-1) == k)
-            if columns.any():
-                part = covariance[np.ix_(columns, columns)]
-                distance[units] = _deviates(z[np.ix_(units, columns)] - centre[columns], part, inside)
+        distance = _joint(z, wide, centre, covariance, inside)
         heavy = _heavy(distance[whole])
-    found = np.asarray(np.nan_to_num(distance, nan=0.0) > limit)
-    return Outliers(used, logarithm[used], distance, limit, found, z, heavy)
+    found_odd = np.asarray(np.nan_to_num(distance, nan=0.0) > limit)
+    return Outliers(used, logarithm[used], distance, limit, found_odd, z, heavy)
+
+
+def _joint(z: Array, wide: NDArray[np.bool_], centre: Array, covariance: Array, inside: int) -> Array:
+    """Return the distance of each unit: of what is usual in it together, and of all else one by one."""
+    distance = np.full(len(z), np.nan)
+    plain = np.isfinite(z) & ~wide
+    has, which = np.unique(plain, axis=0, return_inverse=True)
+    for k, columns in enumerate(has):
+        units = np.flatnonzero(which.reshape(-1) == k)
+        if columns.any():
+            part = covariance[np.ix_(columns, columns)]
+            distance[units] = _deviates(z[np.ix_(units, columns)] - centre[columns], part, inside)
+    if not wide.any():
+        return distance
+    distance = _times(distance, 2)  # half of what may be named for nothing is left to the parameters one by one
+    for j in np.flatnonzero(wide.any(axis=0)):
+        units, own = np.flatnonzero(wide[:, j]), covariance[j : j + 1, j : j + 1]
+        apart = _times(_deviates(z[units, j : j + 1] - centre[j], own, inside), 2 * z.shape[1])
+        distance[units] = np.fmax(distance[units], apart)
+    return distance
+
+
+def _times(deviate: Array, tests: int) -> Array:
+    """Return the deviates that are as rare as the farthest of so many."""
+    rare = tests * special.ndtr(-deviate)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.where(rare > 1e-280, -special.ndtri(np.minimum(rare, 0.5)), deviate))
+
+
+def _of_rows(uncertain: Uncertain, rows: NDArray[np.intp], j: int) -> Uncertain:
+    u, dof, common, usual = (one[rows, j] for one in (uncertain.u, uncertain.dof, uncertain.common, uncertain.usual))
+    return Uncertain(u, dof, common, uncertain.station[rows], usual)
+
+
+def _standardized(
+    x: Array, first: NDArray[np.bool_], uncertain: Uncertain | None
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Return one parameter as normal deviates, and which are to be judged apart; None where it tells nothing."""
+    shown, u2, dof, apart = x, np.zeros(x.size), np.full(x.size, np.inf), np.zeros(x.size, dtype=bool)
+    if uncertain is not None:
+        shift, left = _of_stations(x, first, uncertain)
+        own, dof = _moderated(uncertain, first)
+        shown, u2, apart = x - shift, own + left, ~uncertain.usual
+        dof = _effective(own, dof, u2)
+    off = shown - np.median(shown[first])
+    most = (MAD * float(np.median(np.abs(off[first])))) ** 2
+    if not most > 0.0:
+        return None
+    away = np.abs(off[first])
+
+    def too_far(variance: float) -> float:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return float(np.median(np.nan_to_num(away / np.sqrt(variance + u2[first]), posinf=1e300))) - NORMAL
+
+    least, population = too_far(0.0), 0.0
+    if least > 0.0:
+        population = float(optimize.brentq(too_far, 0.0, 1.01 * most))
+    else:  # tests scatter less than they state
+        off = off * (NORMAL / (least + NORMAL))
+    whole = population + u2
+    z = _as_normal(off / np.sqrt(whole), _effective(u2, dof, whole))
+    if first.sum() >= TAILS and np.quantile(np.abs(z[first]), BULK) > HEAVY * -special.ndtri((1.0 - BULK) / 2.0):
+        return None
+    return z, apart & (u2 > LEAST * whole) | (whole > APART**2 * np.median(whole[first]))
+
+
+def _of_stations(x: Array, first: NDArray[np.bool_], uncertain: Uncertain) -> tuple[Array, Array]:
+    """Return what units of a station share, as far as they show it, and the variance of what they do not show."""
+    shift, left = np.zeros(x.size), np.nan_to_num(uncertain.common) ** 2
+    middle, order = float(np.median(x[first])), np.argsort(uncertain.station, kind="stable")
+    order = order[first[order]]
+    steps = np.diff(x[order])[np.diff(uncertain.station[order]) == 0]  # between units of one station
+    if not steps.size or not left.any():
+        return shift, left
+    inside = (MAD * float(np.median(np.abs(steps)))) ** 2 / 2.0
+    for station in np.unique(uncertain.station):
+        own = uncertain.station == station
+        rest = own & first
+        if rest.any():
+            known = float(np.median(left[rest]))
+            total = known + np.pi / 2.0 * inside / rest.sum()  # variance of a median
+            weight = known / total if total > 0.0 else 0.0
+            shift[own] = weight * (float(np.median(x[rest])) - middle)
+            left[own] *= 1.0 - weight
+    return shift, left
+
+
+def _moderated(uncertain: Uncertain, first: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return squared uncertainties and their degrees of freedom, with what those of the other units tell.
+
+    They are ``s^2 F(dof, d)``: the fewer degrees of freedom d, the more they differ from unit to unit. One that is too
+    large for that is the unit's own.
+    """
+    u2, dof = np.nan_to_num(uncertain.u) ** 2, np.clip(np.nan_to_num(uncertain.dof, nan=SURE), 1.0, SURE)
+    rest = first & uncertain.usual & (u2 > 0.0)
+    if rest.sum() < PER_PARAMETER:
+        return u2, dof
+    usual, prior = 0.0, SURE
+    for prior in PRIORS:
+        usual = float(np.median(u2[rest] / special.fdtri(dof[rest], prior, 0.5)))
+        below = special.fdtr(dof[rest], prior, u2[rest] / usual)
+        if np.median(np.abs(special.ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)))) <= NORMAL:
+            break
+    moderated, more = (prior * usual + dof * u2) / (prior + dof), np.minimum(prior + dof, SURE)
+    own = ~uncertain.usual | (special.fdtrc(dof, prior, u2 / usual) < OWN)
+    return np.where(own, u2, moderated), np.where(own, dof, more)
+
+
+def _effective(part: Array, dof: Array, whole: Array) -> Array:
+    """Return the degrees of freedom of a variance of which a part has so many, and the rest no end (Satterthwaite)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(part > 0.0, dof * (whole / part) ** 2, np.inf))
+
+
+def _as_normal(t: Array, dof: Array) -> Array:
+    """Return values of Student's t as the normal deviates that are as rare."""
+    z = t.copy()
+    few = dof < SURE
+    rare = special.stdtr(dof[few], -np.abs(t[few]))
+    with np.errstate(divide="ignore"):
+        deviate = np.where(rare > 1e-280, -special.ndtri(rare), np.maximum(np.abs(t[few]), 35.0))
+    z[few] = np.copysign(deviate, t[few])
+    return z
 
 
 def _skewed(x: Array) -> bool:
