@@ -301,8 +301,8 @@ def _outliers(table: Table, stations: NDArray[np.intp]) -> Outliers | None:
     order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
-    own = (one[:, order] for one in (table.own, table.own_dof, table.common))
-    uncertain = Uncertain(*own, stations, np.column_stack([table.usual(k) for k in order]))
+    usual = np.column_stack([table.usual(k) for k in order])
+    uncertain = Uncertain(table.own[:, order], table.own_dof[:, order], table.common[:, order], stations, usual)
     found = outliers(table.values[:, order], table.first, uncertain)
     return Outliers(np.array(order, dtype=np.intp)[found.used], found.logarithm, found.distance, found.limit,
                     found.outlier, found.deviation, found.heavy)  # fmt: skip

@@ -106,7 +106,7 @@ def test_equal_and_copied_parameters() -> None:
     assert np.isfinite(found.distance).all()
 
 
-SOUND = {
+SOUND: dict[str, dict[str, float]] = {
     "curvature by chance": {"chosen": True},
     "the same, units all alike": {"chosen": True, "scatter": 0.0},
     "known as such": {"chosen": True, "usual": False},
