@@ -26,6 +26,7 @@ TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
 NEGLIGIBLE = 0.01  # part of a change, below which a sensor does not count in degrees of freedom
 SCALE, ACROSS = "scale_factor_error", "misalignment"
 TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
+LARGE = 0.5  # of the largest entry of a direction
 
 
 def corrected(
@@ -129,12 +130,18 @@ def found_by(estimate: Estimate, test: str) -> Estimate:
 
 
 def factor(covariance: Array) -> Array:
-    """Return independent unknowns with this covariance, shape (s, n): ``changes.T @ changes`` is the covariance."""
+    """Return independent unknowns with this covariance, shape (s, n): ``changes.T @ changes`` is the covariance.
+
+    Of the two directions of each, the one in which its first large entry is positive: rounding does not turn it.
+    """
     scale = np.sqrt(np.diag(covariance))
     size = np.where(scale > 0.0, scale, 1.0)
     sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
     keep = sizes > TINY * sizes[-1]
-    return np.asarray((vectors[:, keep] * np.sqrt(sizes[keep])).T * size)
+    rows = (vectors[:, keep] * np.sqrt(sizes[keep])).T
+    large = np.abs(rows) > LARGE * np.abs(rows).max(axis=1, keepdims=True)
+    first = np.take_along_axis(rows, np.argmax(large, axis=1)[:, None], axis=1)
+    return np.asarray(np.copysign(1.0, first) * rows * size)
 
 
 @dataclass(frozen=True, eq=False)
