@@ -1353,14 +1353,14 @@ MUTANTS = (
     ),
     Mutant(
         "fit.py",
-        "variance = _root(square, float(free), float(np.min(u)) ** 2)",
-        "variance = _root(square, float(flights), float(np.min(u)) ** 2)",
+        "wanted = np.append(free, special",
+        "wanted = np.append(flights, special",
         "test_shifted_model",
     ),
     Mutant(
         "fit.py",
-        "before = self.tau**2 * self.group if self.kept else",
-        "before = 0.0 * self.group if self.kept else",
+        "before[..., 0] = self._variances[:, None] * self.group",
+        "before[..., 0] = 0.0 * self._variances[:, None] * self.group",
         "test_shifted_model",
     ),
     Mutant(

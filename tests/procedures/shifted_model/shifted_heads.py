@@ -63,10 +63,11 @@ def hits(head: Head, plan: Plan = PLAN) -> dict[str, bool]:
     if own.line is not None:
         value, u, dof = own.line
         found["drift"] = abs(value - head.drift * UG / YEAR) <= coverage_factor(dof) * u
-    at = int(np.flatnonzero(head.flight == head.flight.max())[0])
-    value, u, dof = bias_at(result.model(result.later.flips[0].time), result, "y", head.temperature[at : at + 1])
+    at, time = int(np.flatnonzero(head.flight == head.flight.max())[0]), result.later.flips[0].time
+    T = float(head.temperature[at])
+    value, u, dof = bias_at(result.model(time), result, "y", np.array([T]))
     k = coverage_factor(min(dof, own.fit.dof or dof))
-    found["bias"] = bool(abs(value - head.true[at] * UG) <= k * math.hypot(u, own.fit.tau))
+    found["bias"] = bool(abs(value - head.true[at] * UG) <= k * math.hypot(u, own.launch(time, T)))
     return found
 
 

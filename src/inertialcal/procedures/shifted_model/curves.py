@@ -89,7 +89,7 @@ def _band(result: Result, one: AxisShift, axis: str, time: int, temperatures: Ar
     for i, temperature in enumerate(temperatures):
         value, u, dof = bias_at(model, result, axis, np.array([temperature]))
         middle[i] = value - ground[i]
-        half[i] = coverage_factor(min(dof, one.fit.dof or dof)) * math.hypot(u, one.fit.tau)
+        half[i] = coverage_factor(min(dof, one.fit.dof or dof)) * math.hypot(u, one.launch(time, float(temperature)))
     return middle, middle - half, middle + half
 
 

@@ -32,7 +32,7 @@ class Predicted:
     u: float  # Of measured less predicted; NaN where launches are not known
     dof: float
     u_flips: float  # Of measured
-    launch: float  # Standard deviation of launches
+    launch: float  # Uncertainty that its launch adds
 
     @property
     def error(self) -> float:
@@ -69,7 +69,7 @@ def predicted(result: Result, later: Readings, at_date: bool = True) -> Iterator
             every = (ground_bias(one, temperatures, result.plan.bias_of)[:, one.axes.index(axis)]
                      for one in (result.readings.ground, model))  # fmt: skip
             ground, new = (float(weights @ one) for one in every)
-            launch = shift.fit.tau
+            launch = shift.launch(time, float(weights @ temperatures))
             free = joined_dof(
                 [np.array([u**2 + launch**2]), np.array([u_flips**2])], [min(dof, shift.fit.dof or dof), np.inf]
             )

@@ -61,6 +61,10 @@ class AxisShift:
         at = {SHIFT: 1.0, DRIFT: (time - self.time) / SECOND, SLOPE: temperature - self.temperature}
         return np.array([at[name] for name in self.names])
 
+    def launch(self, time: int, temperature: float) -> float:
+        """Return the uncertainty that its launch adds to a flight to come at a date and a temperature."""
+        return math.sqrt(self.fit.launch(self.row(time, temperature)))
+
 
 def free_of(one: AxisShift) -> float:
     """Return the degrees of freedom of a shift: flights left over, else those of its flips."""

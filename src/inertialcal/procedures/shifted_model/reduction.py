@@ -135,10 +135,8 @@ def _shift_of(plan: Plan, readings: Readings, axis: str) -> AxisShift:
         between = len(names) - (SLOPE in names and within)
         shift = np.array([one.bias for one in flips]) - ground
         u = np.array([one.u for one in flips])
-        scale = np.array([1.0 if name != DRIFT else max(float(np.ptp(age)), 1.0) for name in names])
-        made = fitted(np.column_stack([columns[name] for name in names]) / scale, shift, u, group, between,
+        return fitted(np.column_stack([columns[name] for name in names]), shift, u, group, between,
                       plan.launches == "kept", plan.launch_scatter)  # fmt: skip
-        return replace(made, design=made.design * scale, weights=made.weights / scale[:, None])
 
     found = fit(names)
     line = _drift(found, names)
@@ -183,4 +181,5 @@ def _drift(fit: Fit, names: Sequence[str]) -> tuple[float, float, float] | None:
     if DRIFT not in names or not fit.dof:
         return None
     at = names.index(DRIFT)
-    return float(fit.coefficients[at]), float(math.sqrt(fit.spread[at, at])), fit.dof
+    _, covariance = fit.predicted(np.eye(len(names))[[at]], ahead=False)
+    return float(fit.coefficients[at]), math.sqrt(float(covariance[0, 0])), fit.dof

@@ -108,7 +108,9 @@ def _next(result: Result, one: AxisShift, model: SensorModel) -> Row:
     if not one.fit.dof:
         return not_estimated(key, UNIT, ONE)
     reason = Reason("limits", f"of a flight to come, at {number(one.temperature, 4)} degC")
-    return _row(key, value, math.hypot(u, one.fit.tau), UNIT, min(dof, one.fit.dof), reason)
+    return _row(
+        key, value, math.hypot(u, one.launch(result.date, one.temperature)), UNIT, min(dof, one.fit.dof), reason
+    )
 
 
 def _of_flights(result: Result, one: AxisShift) -> Iterator[Row]:
