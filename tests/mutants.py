@@ -1359,6 +1359,12 @@ MUTANTS = (
     ),
     Mutant(
         "fit.py",
+        "over = WEIGHT @ special.ndtr(middle / deviations) > P",
+        "over = np.mean(special.ndtr(middle / deviations), axis=0) > P",
+        "test_small_launches",
+    ),
+    Mutant(
+        "fit.py",
         "before[..., 0] = self._variances[:, None] * self.group",
         "before[..., 0] = 0.0 * self._variances[:, None] * self.group",
         "test_shifted_model",

@@ -40,3 +40,20 @@ def test_intervals_hold_whatever_the_size_of_launches(flights: int, kept: bool, 
         each = np.array([held(flights, u, kept, seed) for seed in range(1, n + 1)]).mean(axis=0)
         print(f"{flights} flights, u of {u} launches: {100.0 * each} % of {n} hold")
         assert (each > HOLD - 3.0 * np.sqrt(HOLD * (1.0 - HOLD) / n)).all()
+
+
+@pytest.mark.parametrize("square", [0.5, 3.0, 6.0, 40.0])
+def test_a_mean_is_off_by_the_mixture_of_what_launches_may_be(square: float) -> None:
+    """Of F flights of like u, the variance of the mean is u^2 / F times q / w, at least 1, with chi-squared w."""
+    flights, u = 6, 2.0
+    shift = np.array([-1.0, 1.0, 0.5, -0.5, 0.2, -0.2])
+    shift *= u * np.sqrt(square / float(shift @ shift))
+    fit = fitted(np.ones((flights, 1)), shift, np.full(flights, u), np.arange(flights), 1, False, None)
+    alone = u / np.sqrt(flights)
+    rng = np.random.default_rng(1)
+    drawn = np.maximum(1.0, square / rng.chisquare(flights - 1, 400_000)) ** 0.5 * rng.normal(size=400_000)
+    student = coverage_factor(flights - 1) * max(1.0, square / (flights - 1)) ** 0.5
+    wanted = max(float(np.quantile(np.abs(drawn), 0.95)), student) * alone
+    _, covariance = fit.predicted(np.ones((1, 1)))
+    assert coverage_factor(fit.dof) * float(np.sqrt(covariance[0, 0])) == pytest.approx(wanted, rel=5e-3)
+    assert (fit.tau > 0.0) == (square > flights - 1)
