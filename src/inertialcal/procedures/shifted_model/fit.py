@@ -70,7 +70,7 @@ class Fit:
     @property
     def weights(self) -> Array:
         """Coefficients from shifts, shape (p, N)."""
-        return self._best(np.eye(self.design.shape[1]), ahead=False)[0][0]
+        return np.asarray(self._best(np.eye(self.design.shape[1]), ahead=False)[0][0])
 
     @property
     def covariance(self) -> Array:
@@ -141,7 +141,7 @@ class Fit:
         u = np.sqrt(np.where(variances > 0.0, variances, 1.0))  # of what is not estimated the row is zero
         if not len(self.may_be):
             return np.ones(u.shape[1])
-        return np.maximum(_half(u[1:]) / (special.stdtrit(self.dof, P) * u[0]), 1.0)
+        return np.asarray(np.maximum(_half(u[1:]) / (special.stdtrit(self.dof, P) * u[0]), 1.0))
 
 
 def fitted(
