@@ -94,7 +94,11 @@ def test_temperatures_and_gains_are_taken_along() -> None:
 @pytest.mark.parametrize(
     ("recording", "words"),
     [
-        (Recording((Channel("t1", np.zeros(9)),)), "cannot tell which column is which axis of the accelerometer"),
+        (Recording((Channel("t1", np.zeros(9)),)), r"no time \(windows are found on a clock\)"),
+        (
+            Recording((Channel("t1", np.zeros(9)),), np.arange(9) * SECOND, 1.0),
+            "cannot tell which column is which axis of the accelerometer",
+        ),
         (head((), unit="deg/s"), r"unit missing or of the wrong kind: 'x' \(deg/s\)"),
         (head((), unit=""), r"unit missing or of the wrong kind: 'x' \(\?\)"),
         (head((), unit="count"), r"counts and volts need the chain of the sensor"),
