@@ -23,7 +23,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy import fft
 
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
@@ -274,7 +273,7 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
         return None
     at, squared = _line(m)
     y = y - np.add.reduce(y) / m - at * float(at @ y) / squared
-    p = np.abs(fft.rfft(y * _hann(m))[1 : last + 1]) ** 2
+    p = np.abs(np.fft.rfft(y * _hann(m))[1 : last + 1]) ** 2
     k = np.arange(1.0, last + 1.0)
     if not p.min() > 0.0 or not loops_for(SMALLEST * m).may_wave(p, CYCLES - 1, LOBE, BESIDE, STANDS):
         return None
