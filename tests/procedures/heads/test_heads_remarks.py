@@ -156,7 +156,7 @@ def test_an_axis_that_is_stuck_is_refused_by_its_head(tmp_path: Path) -> None:
         ic.heads(one.write(tmp_path), body=str(tmp_path / "body.toml"))
     (problem,) = caught.value.problems
     assert problem.code == "not_one_body"
-    assert problem.what == f"{last}: y reads nothing that changes"
+    assert problem.what == f"{last}: y never changes"
 
 
 def test_a_record_that_is_too_short_is_refused() -> None:

@@ -131,7 +131,9 @@ def _in_another_unit(
         gravity = factor("g", "m/s^2") * factor(stated, meant)  # as it is read then
         if abs(norm - gravity) <= NEAR * gravity:
             shown = f"{number(norm * factor('m/s^2', stated), 3)} {stated}"
-            what = f"recording {name}: median |acc| is {shown}, which gravity is in {meant}: is the stated unit wrong?"
+            what = (
+                f"recording {name}: the median |acc| is {shown}: that is gravity in {meant}. Is the stated unit wrong?"
+            )
             do = f"If so, state {meant}, whatever the file says"
             yield Remark("gravity_in_another_unit", "warning", what, raw.source.path, do=do, recording=name)
 

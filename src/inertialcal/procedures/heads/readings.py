@@ -125,8 +125,8 @@ def _track(source: Source, recording: Recording, mounted: Mounted, first: int) -
     for axis, one in zip(AXES, values.T, strict=True):
         there = one[np.isfinite(one)]
         if not len(there) or np.ptp(there) == 0.0:
-            what = f"{source.name}: {axis} reads nothing that changes"
-            do = "Leave it out, or check the columns"
+            what = f"{source.name}: {axis} never changes"
+            do = "Leave this head out, or check its columns"
             raise DataError(what, source.file, "a body moves in three axes", do, "not_one_body")
     return Track(times, values, interval, mounted, source.name, source.file)
 

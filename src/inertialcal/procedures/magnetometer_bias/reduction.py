@@ -189,7 +189,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         gaps = sum(int(np.count_nonzero(np.diff(one.times) > APART * one.interval)) for one in tracks)
         do = "Record longer, or give a shorter --arc"
         if gaps:
-            do = f"There are {items(gaps, 'gap')}: close them from the log, {do[0].lower()}{do[1:]}"
+            do = f"There are {items(gaps, 'gap')}: fill them from the log, {do[0].lower()}{do[1:]}"
         why = "the uncertainty rests on their scatter"
         raise DataError(what, readings.tracks[0].file, why, do, "too_short")
     offset = by_magnitude(*_all(arcs))
@@ -403,11 +403,10 @@ def _check_sense(arcs: Sequence[Arc], found: Solution, noise: Noise, file: str) 
     start = np.concatenate([found.values[:3], -found.values[3:6]])
     other = solved(turned_round, start, noise, len(found.values) > 6)
     if _left(other) < OTHER_SENSE * _left(found):
-        what = (
-            f"the magnetometer leaves {number(_left(found) * 1e9, 3)} nT (rms) of the field along the orbit, and with"
-        )
-        what += f" all its axes turned round {number(_left(other) * 1e9, 3)} nT"
-        do = "Turn the signs of all its columns: it says where the field comes from, or was mounted otherwise"
+        before, after = (number(_left(one) * 1e9, 3) for one in (found, other))
+        what = f"the magnetometer leaves {before} nT (rms) of the field along the orbit; with the sign of every axis "
+        what += f"changed, {after} nT"
+        do = "Change the sign of all its columns: it was mounted the other way round, or reads against the field"
         raise DataError(what, file, do=do, code="axes_disagree")
 
 

@@ -225,7 +225,7 @@ def _refuse_angle(used: Sequence[Response], both: Joined) -> None:
     reach = coverage_factor(float(both.dof(k)[ZERO])) * math.sqrt(both.covariance(k)[ZERO, ZERO])
     if abs(zero) - reach > FARTHEST_ZERO:
         what = f"the mass is {math.degrees(zero):+.0f} deg from where the programme says, or half a turn from that"
-        why = "which of both decides the sign of the scale factor, and the readings do not tell"
+        why = "which of the two it is decides the sign of the scale factor, and the readings cannot tell"
         do = "Count angle from the input axis, positive in the sense of the orbit; check begin, and input_axis"
         raise DataError(what, used[0].run.where, why, do, "wrong_angle")
 
