@@ -1,53 +1,284 @@
-"""Compiled search of a low pass: arrays in, preallocated arrays out, no checks."""
+"""Compiled search of a low pass: arrays in, preallocated arrays out, no checks.
+
+Columns lie in rows, shape (p, long): p whole fours, long whole eights, what is beyond filled with zeros.
+"""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...signals._kernels_lanes import LANES, eight, load, store, times
 from ...statistics._kernels import compiled
-from ._kernels import scored
+from ._kernels import CONVERGED, MOST_PIVOTS, MOST_STEPS, NO_SLOPE, SHORTEST_STEP, SINGULAR
+
+LEAST, MOST = 1e-300, 1e300  # numbers whose logarithm is that of their bits
+MANTISSA, ONE = 2**52 - 1, 0x3FF << 52  # bits of a double
+FROM = 0x3FE6A09E << 32  # the root of one half: mantissas go from there to twice that
+LN_2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # high and low part
+SERIES = (
+    6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01, 2.222219843214978396e-01,
+    1.818357216161805012e-01, 1.531383769920937332e-01, 1.479819860511658591e-01,
+)  # fmt: skip
 
 
 @compiled
-def cost_at(behind: Array, density: Array, weight: Array, costs: Array, i: int) -> float:
-    """Return the least cost of columns behind a size of low pass, filled in where it is not known (NaN)."""
+def banded(
+    cycles: Array, density: Array, marked: NDArray[np.bool_], edf: float, neighbours: Array, per_decade: float,
+    out: Array,
+) -> int:  # fmt: skip
+    """Fill frequency, mean density and half the degrees of freedom of bands, shape (3, n); return how many there are.
+
+    What is ``marked`` is left out (none is, where that is empty), and bands without density; ``neighbours`` are squared
+    correlations of densities that lie so far apart.
+    """
+    found, size, last, at, total = 0, 0, -1.0, 0.0, 0.0
+    for i in range(len(cycles) + 1):
+        if i < len(cycles) and len(marked) > 0 and marked[i]:
+            continue
+        band = np.floor(np.log10(cycles[i] / cycles[0]) * per_decade + 1e-9) if i < len(cycles) else np.inf
+        if band != last:
+            if size > 0 and total > 0.0:
+                pairs = float(size)
+                for lag in range(1, min(size, len(neighbours))):
+                    pairs += 2.0 * (size - lag) * neighbours[lag]
+                out[0, found], out[1, found] = at / size, total / size
+                out[2, found] = 0.5 * edf * size * size / pairs
+                found += 1
+            size, last, at, total = 0, band, 0.0, 0.0
+        if i < len(cycles):
+            size, at, total = size + 1, at + cycles[i], total + density[i]
+    return found
+
+
+@compiled
+def fill_logarithms(x: Array, bits: NDArray[np.int64], out: Array) -> None:
+    """Fill the natural logarithms of positive numbers, to an ulp [1]_; ``bits`` is work space, shape as x.
+
+    References
+    ----------
+    .. [1] FDLIBM, e_log.c (Sun Microsystems, 1993).
+    """
+    lowest, highest = np.inf, -np.inf
+    for t in range(len(x)):
+        lowest, highest = min(lowest, x[t]), max(highest, x[t])
+    if not (lowest > LEAST and highest < MOST):
+        for t in range(len(x)):
+            out[t] = np.log(x[t])
+        return
+    own = x.view(np.int64)
+    for t in range(len(x)):
+        shifted = own[t] + (ONE - FROM)
+        out[t] = float((shifted >> 52) - 1023)
+        bits[t] = (shifted & MANTISSA) + FROM
+    mantissa = bits.view(np.float64)
+    for t in range(len(x)):
+        f = mantissa[t] - 1.0
+        s = f / (2.0 + f)
+        z = s * s
+        w = z * z
+        even = w * (SERIES[1] + w * (SERIES[3] + w * SERIES[5]))
+        odd = z * (SERIES[0] + w * (SERIES[2] + w * (SERIES[4] + w * SERIES[6])))
+        half = 0.5 * f * f
+        out[t] = s * (half + (even + odd)) + out[t] * LN_2[1] - half + f + out[t] * LN_2[0]
+
+
+@compiled
+def _fill_sums(rows: Array, x: Array, out: Array) -> None:
+    """Fill the sums of products of each row with x."""
+    p, long = rows.shape
+    flat, four = rows.ravel(), np.empty(4 * LANES)
+    for i in range(0, p, 4):  # a sum waits for the one before it: four go side by side
+        a, b, c, d = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
+        for t in range(0, long, LANES):
+            own, at = load(x, t), i * long + t
+            a = a + times(load(flat, at), own)
+            b = b + times(load(flat, at + long), own)
+            c = c + times(load(flat, at + 2 * long), own)
+            d = d + times(load(flat, at + 3 * long), own)
+        store(four, 0, a)
+        store(four, LANES, b)
+        store(four, 2 * LANES, c)
+        store(four, 3 * LANES, d)
+        for j in range(4):
+            total = 0.0
+            for t in range(LANES):
+                total += four[j * LANES + t]
+            out[i + j] = total
+
+
+@compiled
+def _fill_nonnegative(
+    rows: Array, weights: Array, b: Array, A: Array, known: NDArray[np.bool_], inverse: Array, x: Array, work: Array
+) -> None:  # fmt: skip
+    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, as ``_kernels.nonnegative`` does with all of A.
+
+    A is filled for the unknowns alone, which are few: ``inverse`` is that of their part of it, in the order in which
+    they came.
+    """
+    p, count = len(b), 0
+    at, place, u = np.empty(p, np.int64), np.full(p, -1), np.empty(p)
+    x[:] = 0.0
+    known[:] = False
+    for _ in range(MOST_PIVOTS):
+        change = -1
+        for i in range(p):
+            if place[i] >= 0:
+                if x[i] < 0.0:
+                    change = i
+                    break
+                continue
+            slope = b[i]
+            for j in range(count):
+                slope -= A[at[j], i] * x[at[j]]
+            if slope > NO_SLOPE * abs(b[i]):
+                if not known[i]:
+                    for t in range(rows.shape[1]):
+                        work[t] = rows[i, t] * weights[t]
+                    _fill_sums(rows, work, A[i])
+                    known[i] = True
+                left = A[i, i]
+                for j in range(count):
+                    u[j] = 0.0
+                    for k in range(count):
+                        u[j] += inverse[j, k] * A[i, at[k]]
+                    left -= u[j] * A[i, at[j]]
+                if left > SINGULAR * A[i, i]:
+                    change = i
+                    for j in range(count):
+                        for k in range(count):
+                            inverse[j, k] += u[j] * u[k] / left
+                        inverse[j, count] = inverse[count, j] = -u[j] / left
+                    inverse[count, count] = 1.0 / left
+                    break
+        if change < 0:
+            break
+        if place[change] < 0:
+            place[change], at[count] = count, change
+            count += 1
+        else:
+            gone, last = place[change], count - 1
+            for j in range(count):  # to the end
+                inverse[gone, j], inverse[last, j] = inverse[last, j], inverse[gone, j]
+            for j in range(count):
+                inverse[j, gone], inverse[j, last] = inverse[j, last], inverse[j, gone]
+            at[gone] = at[last]
+            place[at[gone]], place[change], x[change] = gone, -1, 0.0
+            for j in range(last):
+                for k in range(last):
+                    inverse[j, k] -= inverse[j, last] * inverse[last, k] / inverse[last, last]
+            count = last
+        for j in range(count):
+            x[at[j]] = 0.0
+            for k in range(count):
+                x[at[j]] += inverse[j, k] * b[at[k]]
+
+
+@compiled
+def _fill_mean(rows: Array, v: Array, new: Array, step: float, mu: Array, count: int) -> bool:
+    """Fill the mean a step from v to new, 1 from a count on, and return whether it is positive throughout."""
+    mu[:] = 0.0
+    for i in range(len(v)):
+        size = v[i] + step * (new[i] - v[i])
+        if size != 0.0:
+            for t in range(len(mu)):
+                mu[t] += size * rows[i, t]
+    mu[count:] = 1.0
+    positive = True
+    for t in range(count):
+        positive &= mu[t] > 0.0
+    return positive
+
+
+@compiled
+def few_scored(rows: Array, s: Array, w: Array, v: Array) -> float:
+    """Fill v >= 0 of least cost for mu = v rows, few of which are needed, and return the cost: ``_kernels.scored``.
+
+    Its equations are filled for those few alone. It starts from v where that gives a mean, else from the data. ``s``
+    and ``w`` have the length of a row.
+    """
+    p, long = rows.shape
+    A, inverse, known, b, new = np.empty((p, p)), np.empty((p, p)), np.empty(p, np.bool_), np.empty(p), np.empty(p)
+    weights, rest, work, mu, before = np.empty(long), np.empty(long), np.empty(long), s.copy(), np.empty(long)
+    bits, short, cost = np.empty(long, np.int64), long, np.inf
+    while short > 0 and w[short - 1] == 0.0:
+        short -= 1
+    mu[short:] = 1.0
+    if _fill_mean(rows, v, v, 0.0, before, short):
+        mu[:] = before
+    for _ in range(MOST_STEPS):
+        for t in range(long):
+            weights[t] = w[t] / (mu[t] * mu[t])
+            rest[t] = weights[t] * s[t]
+        _fill_sums(rows, rest, b)
+        _fill_nonnegative(rows, weights, b, A, known, inverse, new, work)
+        step, trial, change = 2.0, np.inf, np.inf
+        before[:] = mu
+        while not trial < cost and step > SHORTEST_STEP and change > CONVERGED:
+            step *= 0.5
+            positive, trial = _fill_mean(rows, v, new, step, mu, short), np.inf
+            if step == 1.0:  # twice the gain to be had
+                for t in range(long):
+                    rest[t] = weights[t] * (mu[t] - before[t]) ** 2
+                change = 0.0
+                for t in range(long):
+                    change += rest[t]
+            if positive:
+                fill_logarithms(mu, bits, work)
+                trial = 0.0
+                for t in range(long):
+                    rest[t] = w[t] * (work[t] + s[t] / mu[t])
+                for t in range(long):
+                    trial += rest[t]
+        if not trial < cost:
+            break
+        for i in range(p):
+            v[i] += step * (new[i] - v[i])
+        gained, cost = cost - trial, trial
+        if gained <= CONVERGED:
+            break
+    return float(cost)
+
+
+@compiled
+def cost_at(behind: Array, s: Array, w: Array, costs: Array, i: int) -> float:
+    """Return the least cost of rows behind a size of low pass, filled in where it is not known (NaN)."""
     if np.isnan(costs[i]):
-        costs[i] = scored(behind[i], density, weight, -1, 0.0, np.zeros(behind.shape[2]), False)
+        costs[i] = few_scored(behind[i], s, w, np.zeros(behind.shape[1]))
     return float(costs[i])
 
 
 @compiled
-def cost_each(behind: Array, density: Array, weight: Array, costs: Array) -> None:
-    """Fill the least cost behind each size, those that are not known (NaN)."""
-    for i in range(len(costs)):
-        cost_at(behind, density, weight, costs, i)
-
-
-@compiled
 def lowest(
-    behind: Array, density: Array, weight: Array, none: int, coarse: int, plain: float, doubtful: float, costs: Array
-) -> int:
-    """Return the size of least cost, filling the costs of those that are tried, of the first ``none`` among them.
+    plainly: Array, behind: Array, mildly: Array, s: Array, w: Array, none: int, coarse: int, doubtful: float,
+    costs: Array, mild: Array,
+) -> tuple[int, float]:  # fmt: skip
+    """Return the size of least cost, and the cost without a low pass; fill the costs of sizes, and of all mild ones.
 
-    Every ``coarse`` size is tried, then all about the best; all where twice the gain over ``plain`` is doubtful.
+    The first ``none`` sizes and every ``coarse`` one are tried, then all about the best; all where twice the gain
+    over no low pass is doubtful.
     """
-    best = 0
+    plain, best = few_scored(plainly, s, w, np.zeros(len(plainly))), 0
+    v = np.zeros(mildly.shape[1])
+    for i in range(len(mild)):  # each is much like the one before
+        mild[i] = few_scored(mildly[i], s, w, v)
     for i in range(len(costs)):
-        if (i < none or i % coarse == 0) and cost_at(behind, density, weight, costs, i) < costs[best]:
+        if (i < none or i % coarse == 0) and cost_at(behind, s, w, costs, i) < costs[best]:
             best = i
     while True:
         first, near = max(best - coarse, 0), max(best - coarse, 0)
         for i in range(first, min(best + coarse + 1, len(costs))):
-            if cost_at(behind, density, weight, costs, i) < costs[near]:
+            if cost_at(behind, s, w, costs, i) < costs[near]:
                 near = i
         if near == best:
             break
         best = near
     if 2.0 * (plain - costs[best]) >= doubtful:
-        cost_each(behind, density, weight, costs)
+        for i in range(len(costs)):
+            cost_at(behind, s, w, costs, i)
         best = 0
         for i in range(len(costs)):
             if costs[i] < costs[best]:
                 best = i
-    return best
+    return best, plain

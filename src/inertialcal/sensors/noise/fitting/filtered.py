@@ -43,10 +43,11 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from ....core.estimate import Array
+from ....signals._kernels_lanes import LANES
 from ....signals.spectrum.density import Spectrum
 from ....statistics.least_squares import symmetric_inverse
 from .._kernels import scored
-from .._kernels_band import cost_each, lowest
+from .._kernels_band import banded, lowest
 from ..expected import density_of_samples
 from ..terms import GaussMarkov, Phase
 
@@ -58,6 +59,7 @@ STEEP = 30.0  # fall of the density about one octave that shows a filter of itse
 PERIODS = 1.5  # of the corner, in the shortest averaging time of the fit
 PART = 0.5  # of the corner, up to which the level is fitted
 FEWEST = 6  # bands below that
+UNMARKED = np.empty(0, dtype=bool)
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
 SHAPE = 0.07  # least relative uncertainty of what is lost
@@ -170,16 +172,10 @@ def unit_flicker(duty: float) -> Array:
 def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array]:
     """Return frequencies [cycles a sample], mean density and half the degrees of freedom of bands, without lines."""
     cycles = spectrum.frequency * spectrum.interval
-    there = np.ones(len(cycles), dtype=bool) if marked is None else ~marked
-    band = np.floor(np.log10(cycles / cycles[0]) * PER_DECADE + 1e-9)[there]
-    start = np.flatnonzero(np.diff(band, prepend=-1.0))
-    size = np.diff(np.append(start, len(band)))
-    mean = np.add.reduceat(spectrum.density[there, 0], start) / size
-    lag = np.arange(1, len(spectrum.neighbours))
-    pairs = size + 2.0 * np.sum(np.maximum(size[:, None] - lag, 0.0) * spectrum.neighbours[lag], axis=1)
-    edf = spectrum.edf * size**2 / pairs
-    good = mean > 0.0
-    return (np.add.reduceat(cycles[there], start) / size)[good], mean[good], 0.5 * edf[good]
+    out = np.empty((3, len(cycles)))
+    density, left = spectrum.density[:, 0].copy(), UNMARKED if marked is None else marked.copy()
+    count = banded(cycles, density, left, float(spectrum.edf), spectrum.neighbours.copy(), float(PER_DECADE), out)
+    return out[0, :count], out[1, :count], out[2, :count]
 
 
 def columns_at(cycles: Array, interval: float) -> Array:
@@ -205,18 +201,29 @@ def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
 
 
 @lru_cache(maxsize=4)  # spectra of one length share their frequencies
-def _behind(stored: bytes, interval: float) -> tuple[Array, Array]:
-    """Return columns that fall, shape (sizes, k, p), behind low passes of `FOLDS` and of `MILDEST`; not to be changed.
+def _behind(stored: bytes, interval: float) -> tuple[Array, Array, Array]:
+    """Return columns alone, shape (p, k), and those that fall behind low passes of `FOLDS` and of `MILDEST`.
 
-    Each has 1 as its largest value; the latter are of white noise, flicker and walk alone: others give way to any
-    filter.
+    Each has 1 as its largest value, of shape (sizes, p, k) behind low passes, and is filled up with zeros as
+    ``_kernels_band`` takes it; not to be changed. Those behind mild ones are of white noise, flicker and walk alone:
+    others give way to any filter.
     """
     swing = 4.0 * np.sin(np.pi * np.frombuffer(stored)) ** 2
-    D = np.delete(_columns_at(stored, interval), ROUNDED, axis=1)
-    each = [(D[:, :few] / (1.0 + size * swing)[:, None], size) for few, sizes in ((None, FOLDS), (3, MILDEST))
-            for size in sizes]  # fmt: skip
-    scaled = [one / one.max(axis=0) for one, _ in each]
-    return np.array(scaled[: len(FOLDS)]), np.array(scaled[len(FOLDS) :])
+    every = _columns_at(stored, interval)
+    D = np.delete(every, ROUNDED, axis=1)
+
+    def scaled(D: Array, sizes: Array) -> Array:
+        behind = D.T / (1.0 + sizes[:, None, None] * swing)
+        found = np.zeros((len(sizes), -(-D.shape[1] // 4) * 4, filled(len(D))))
+        found[:, : D.shape[1], : len(D)] = behind / behind.max(axis=2, keepdims=True)
+        return found
+
+    return scaled(every, np.zeros(1))[0], scaled(D, FOLDS), scaled(D[:, :3], MILDEST)
+
+
+def filled(count: int) -> int:
+    """Return the length of rows of that many numbers, filled up."""
+    return -(-count // LANES) * LANES
 
 
 def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float, float]:
@@ -224,16 +231,14 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
 
     The low pass is one of first order. Of mild ones, it is the largest that fits nearly as well as the best.
     """
-    D = columns_at(cycles, interval)
-    plain = least(D, density, weight)[0]
-    behind, mildly = _behind(cycles.tobytes(), interval)
-    costs, mild = np.full(len(FOLDS), np.nan), np.full(len(MILDEST), np.nan)
-    best = lowest(behind, density, weight, NONE + 1, COARSE, plain, DOUBTFUL, costs)
+    costs, mild = np.full(len(FOLDS), np.nan), np.empty(len(MILDEST))
+    measured = np.zeros((2, filled(len(cycles))))
+    measured[:, : len(cycles)] = density, weight
+    best, plain = lowest(*_behind(cycles.tobytes(), interval), *measured, NONE + 1, COARSE, DOUBTFUL, costs, mild)
     cost = float(costs[best])
     plain = min(plain, float(costs[: NONE + 1].min()))  # where the solver stops short
     if 2.0 * (plain - cost) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
-    cost_each(mildly, density, weight, mild)
     hidden = float(MILDEST[np.flatnonzero(mild < mild.min() + NEAR)[-1]])
     return 2.0 * (plain - cost), corner_of(float(FOLDS[best])), hidden
 
