@@ -232,9 +232,10 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     The low pass is one of first order. Of mild ones, it is the largest that fits nearly as well as the best.
     """
     costs, mild = np.full(len(FOLDS), np.nan), np.empty(len(MILDEST))
-    measured = np.zeros((2, filled(len(cycles))))
+    s, w = measured = np.zeros((2, filled(len(cycles))))
     measured[:, : len(cycles)] = density, weight
-    best, plain = lowest(*_behind(cycles.tobytes(), interval), *measured, NONE + 1, COARSE, DOUBTFUL, costs, mild)
+    plainly, behind, mildly = _behind(cycles.tobytes(), interval)
+    best, plain = lowest(plainly, behind, mildly, s, w, NONE + 1, COARSE, DOUBTFUL, costs, mild)
     cost = float(costs[best])
     plain = min(plain, float(costs[: NONE + 1].min()))  # where the solver stops short
     if 2.0 * (plain - cost) >= CLEAR:
