@@ -31,6 +31,9 @@ plan = { axis = "x" }
 """
 
 
+RATES = (-50.0, 0.0, 50.0) * 6
+
+
 @pytest.fixture
 def folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A lot by LOT.toml, one by folders of units, what a lot gave, and a campaign without its recording."""
@@ -78,3 +81,15 @@ def test_what_a_lot_gave_is_told_so(folders: Path, call: object, path: str) -> N
 @pytest.mark.parametrize("call", [ic.info, ic.run, ic.check])
 def test_the_file_of_a_campaign_leads_to_its_folder(folders: Path, call: object) -> None:
     assert refusal(call, "alone/campaign.toml").do.endswith("inertialcal run alone")
+
+
+def test_a_recording_in_the_folder_of_a_unit_leads_to_lot(folders: Path) -> None:
+    rows = "run,rate [deg/s],x [deg/s]\n" + "".join(f"{n % 3},{rate},{rate * 1.001}\n" for n, rate in enumerate(RATES))
+    for path in ("folders/u1/rates.csv", "written/rates.csv", "alone/rates.csv", "alone/data/rates.csv"):
+        (folders / path).parent.mkdir(exist_ok=True)
+        (folders / path).write_text(rows, encoding="utf-8", newline="\n")
+    names, commands = ("folders/u1", "written", "alone", "alone/data"), ("info", "run", "lot")
+    said = {name: str(ic.info(f"{name}/rates.csv", commands=commands).next) for name in names}
+    assert said["folders/u1"] == "inertialcal lot folders -o folders-out"
+    assert said["written"] == "inertialcal lot written -o written-out"
+    assert said["alone"] == said["alone/data"] == "inertialcal run alone"

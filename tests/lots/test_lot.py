@@ -157,7 +157,8 @@ def test_resume_redoes_what_changed_alone(made: tuple[Path, Path], tmp_path: Pat
     (lot / "u003" / "rates.csv").write_text(csv(rates(3, 0.03)), encoding="utf-8", newline="\n")
     (lot / "u007" / "rates.csv").unlink()
     (lot / "u007" / "rates.csv").mkdir()
-    shutil.copytree(lot / "u000", lot / "u999")
+    (lot / "u999").mkdir()
+    (lot / "u999" / "rates.csv").write_text(csv(rates(999)), encoding="utf-8", newline="\n")
     again = ic.lot(lot, out, resume=True, workers=0)
     assert (again.redone, again.kept) == (3, 10)
     found = rows(out)
@@ -254,17 +255,6 @@ def test_rows_of_units_stand_whatever_becomes_of_the_rest(
     assert rows(out) == rows(made[1])
     assert ic.lot(lot, out, resume=True, workers=0).exit_status == 1
     assert digests(out) == digests(made[1])
-
-
-def test_a_recording_copied_over_that_of_another_unit_is_named(tmp_path: Path) -> None:
-    lot = folder_lot(tmp_path / "lot", 4)
-    shutil.copy(lot / "u001" / "rates.csv", lot / "u002")
-    for one in lot.glob("u*"):
-        (one / "sections.csv").write_text("the same for all", encoding="utf-8")
-    outcome = ic.lot(lot, tmp_path / "out", workers=0, report=False)
-    (said,) = [one for one in outcome.remarks if one.code == "same_recording"]
-    assert "u001 and u002" in said.what
-    assert said.count == 1
 
 
 def test_what_is_read_back_is_what_was_written(made: tuple[Path, Path], tmp_path: Path) -> None:

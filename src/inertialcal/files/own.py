@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import tomllib
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +37,29 @@ def own(path: Path) -> Own | None:
             f"inertialcal run {shlex.quote(str(folder))}",
         )
     return None
+
+
+def around(recording: Path) -> Own | None:
+    """Return the lot or the campaign that a recording lies in, at most two folders up; None where there is none."""
+    near = (recording, *recording.parents[:2])
+    home = next((one for one in near if (one / FILE).is_file() or (one / LOT).is_file()), None)
+    found = None if home is None else own(home)
+    if home is None or found is None or found.file != FILE:
+        return found
+    unit, *rest = recording.relative_to(home).parts or ("",)
+    named, file = _recordings_of(home / FILE), "/".join(rest)
+    of_unit = file in named and f"{unit}/{file}" not in named and not (home / file).exists()
+    return _lot(home) if of_unit else found
+
+
+def _recordings_of(campaign: Path) -> frozenset[str]:
+    """Return the files that a campaign names; none of one that cannot be read, which is judged elsewhere."""
+    try:
+        entries = tomllib.loads(campaign.read_text(encoding="utf-8-sig")).get("recordings")
+    except (OSError, ValueError):
+        return frozenset()
+    every = entries.values() if isinstance(entries, dict) else ()
+    return frozenset(file for one in every if isinstance(one, dict) and isinstance(file := one.get("file"), str))
 
 
 def lot_in(folder: Path, files: Collection[str]) -> Own | None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gc
 import hashlib
-import io
 import json
 import time
 import traceback
@@ -18,8 +17,6 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
-
-import pyarrow as pa
 
 from ..campaign.engine.engine import open_test, order_of, placed, prepare, reduce_alike, screened_samples
 from ..campaign.engine.reductions import Reduced, waiting_for
@@ -37,7 +34,7 @@ from ..files.binary.parquet import clock_in
 from ..files.registry import Columns
 from ..files.source import changed_input
 from ..signals.blas import one_blas_thread
-from .rows import UnitRow, quarantined, table_of
+from .rows import UnitRow, quarantined, stream_of
 from .stores import Delivery, Place, Shared, UnitStore, file_of
 
 FRAMES = 12  # of a fault that its log holds
@@ -399,11 +396,7 @@ def killed(units: Sequence[Given]) -> Block:
 
 
 def _block(rows: Sequence[UnitRow], ended: Sequence[Ended]) -> Block:
-    sink = io.BytesIO()
-    table = table_of(rows)
-    with pa.ipc.new_stream(sink, table.schema, options=pa.ipc.IpcWriteOptions(compression="zstd")) as stream:
-        stream.write_table(table)
-    return Block(sink.getvalue(), tuple(ended))
+    return Block(stream_of(rows), tuple(ended))
 
 
 def unit_key(given: Given) -> str:

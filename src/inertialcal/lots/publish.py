@@ -12,23 +12,27 @@ import platform
 import re
 import shutil
 import traceback
+from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..campaign.outcome.publish import version_of_package, versions
-from ..core.errors import DataError, InertialcalError, StoreError
+from ..core.errors import DataError, InertialcalError, Problem, StoreError
+from ..core.key import AXES
 from ..core.remarks import Remark
 from ..core.schema.json_text import json_text
 from .ledger import Ledger, Noted
 from .lot_file import COLUMN, Lot
-from .rows import OWN
+from .rows import OWN, quarantined, stream_of
 from .study import Columns, Study, study
 from .table import read_table
 
@@ -86,7 +90,8 @@ def publish_lot(
         new = folder / NEW
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
-        parts = [_part(new, lot, ledger, noted, first) for first in range(0, len(noted), PART)]
+        noted, instead, copies = _without_copies(lot, ledger, noted, how.get("archive"))
+        parts = [_part(new, lot, ledger, noted, instead, first) for first in range(0, len(noted), PART)]
         (folder / LOT).unlink(missing_ok=True)
         shutil.rmtree(folder / UNITS, ignore_errors=True)
         os.replace(new, folder / UNITS)
@@ -116,12 +121,12 @@ def publish_lot(
             "quarantined": dict(sorted(Counter(one.reason_code for one in noted if one.reason_code).items())),
             "parts": parts,
             "statistics": statistics,
-            "remarks": [one.to_dict() for one in (*lot.remarks, *failed)],
+            "remarks": [one.to_dict() for one in (*lot.remarks, *copies, *failed)],
         }  # fmt: skip
         _write(folder / LOT, json_text(content))
     except OSError as error:
         raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
-    return content, None if statistics is None else found, tuple(failed)
+    return content, None if statistics is None else found, (*copies, *failed)
 
 
 @contextmanager
@@ -144,36 +149,87 @@ def _told(failed: list[Remark], what: str, folder: Path) -> Iterator[None]:
 def _study(lot: Lot, parts: Sequence[Path]) -> Study:
     columns = line_of(lot)
     names = [one for one in (columns.station, columns.place, *columns.factors) if one]
-    return study(read_table(parts, names), columns, _copies(lot, parts))
+    return study(read_table(parts, names), columns)
 
 
-def _copies(lot: Lot, parts: Sequence[Path]) -> tuple[Remark, ...]:
-    """Return a remark on recordings that two units have in common: of what one was tested, nobody knows.
+def _without_copies(
+    lot: Lot, ledger: Ledger, noted: Sequence[Noted], archive: object
+) -> tuple[list[Noted], dict[int, bytes], tuple[Remark, ...]]:
+    """Put units in quarantine of which a recording is that of another unit: of what it was tested, nobody knows.
 
-    A recording that the table gives to several rows, as a file of its own, is none.
+    Of two tests of one unit, the later one. Recordings without readings of a sensor, such as the log of a chamber, may
+    be those of several units; so may be a file that the table gives to several rows, or whose channels it tells apart.
+
+    Returns
+    -------
+    tuple of (list of Noted, dict of int to bytes, tuple of Remark)
+        The units as they ended; rows that stand in place of those of the ledger, by number; what is said of them.
     """
-    plain = _any_of([one for one in lot.files.values() if isinstance(one, str)])
-    of_many = _any_of([one.file for one in lot.files.values() if not isinstance(one, str)])
-    first: dict[str, tuple[str, str]] = {}
-    pairs: list[tuple[str, str]] = []
-    for part in parts:
-        table = pq.read_table(part, columns=["serial", "inputs"]).to_pydict()
-        for serial, inputs in zip(table["serial"], table["inputs"], strict=True):
-            for one in inputs:
-                path, other = str(one["path"]), f"{serial}\0" if of_many.fullmatch(one["path"]) else ""
-                if not other and not plain.fullmatch(path):
-                    continue
-                before, known = first.setdefault(one["sha256"], (serial, other or path))
-                if known != (other or path):
-                    pairs.append((before, serial))
+    pairs = _copies(lot, ledger, noted)
     if not pairs:
-        return ()
-    every = list(dict.fromkeys(pairs))
+        return list(noted), {}, ()
+    serials = lot.units.serials
+    said: dict[int, int] = {}  # unit in quarantine: the one whose recording it has
+    for before, number in pairs:
+        said.setdefault(number, before)
+        if serials[before] != serials[number]:
+            said.setdefault(before, number)
+    found, rows = list(noted), dict[int, bytes]()
+    for number, other in sorted(said.items()):
+        row = quarantined(number, serials[number], [_copied(serials[number], serials[other])])
+        found[number] = replace(noted[number], status="quarantined", verdict="", reason_code=row.reason_code)
+        rows[number] = stream_of([row])
+    every = list(dict.fromkeys((serials[one], serials[two]) for one, two in pairs))
     told = ", ".join(f"{one} and {two}" if one != two else f"two tests of {one}" for one, two in every[:FEW])
     more = f" and {len(every) - FEW} more" if len(every) > FEW else ""
     what = f"the same recording, byte for byte, of several units: {told}{more}"
-    do = "One was copied over the other: no verdict on either holds. Test them again"
-    return (Remark("same_recording", "warning", what, count=len(every), do=do),)
+    kept = ". The archive has the figures that they gave" if archive else ""
+    do = f"One was copied over the other: test them again{kept}"
+    return found, rows, (Remark("same_recording", "warning", what, count=len(every), do=do),)
+
+
+def _copies(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> list[tuple[int, int]]:
+    """Return pairs of units that have a recording of one of them in common, the earlier one first."""
+    marks = array("Q", (int(digest[:16], 16) for _, _, digest in _readings(lot, ledger, noted)))  # 8 bytes of each
+    every, counts = np.unique(np.frombuffer(marks, np.uint64), return_counts=True)
+    twice = {int(one) for one in every[counts > 1]}
+    pairs = list[tuple[int, int]]()
+    first: dict[str, tuple[int, str]] = {}
+    for number, source, digest in _readings(lot, ledger, noted) if twice else ():
+        if int(digest[:16], 16) in twice:
+            before, other = first.setdefault(digest, (number, source))
+            if other != source:
+                pairs.append((before, number))
+    return pairs
+
+
+def _readings(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> Iterator[tuple[int, str, str]]:
+    """Yield the recordings of units that hold their own readings: number, file or rows of a file, SHA-256."""
+    told_apart = {key[1] for key in lot.changes.values() if key[0] == "recordings" and "channels" in key}
+    entries = lot.template.file.recordings
+    own = [
+        lot.files[name]
+        for name, one in entries.items()
+        if name not in told_apart and (one.channels is None or any(axis in one.channels for axis in AXES))
+    ]
+    of_many = _any_of([one.file for one in own if not isinstance(one, str)])
+    plain = _any_of([one for one in own if isinstance(one, str)])
+    read = lru_cache(maxsize=4)(lambda block: _table(ledger.rows(block), [OWN.index("inputs")])[0].to_pylist())
+    for number, one in enumerate(noted):
+        for path, digest in map(dict.values, read(one.block)[one.place]):
+            if of_many.fullmatch(path):
+                yield number, f"{lot.units.serials[number]}\0", digest
+            elif plain.fullmatch(path):
+                yield number, path, digest
+
+
+def _copied(serial: str, other: str) -> Problem:
+    if serial == other:
+        what, why = "a recording is that of an earlier test of this unit, byte for byte", "one test was not made"
+        return Problem(what, why=why, do="Test it again, or leave this row out", code="same_recording")
+    what = f"a recording is that of {other}, byte for byte"
+    why = "one was copied over the other: nobody knows which unit was tested"
+    return Problem(what, why=why, do="Test both again", code="same_recording")
 
 
 def _any_of(patterns: Sequence[str]) -> re.Pattern[str]:
@@ -205,16 +261,21 @@ def counts(noted: Sequence[Noted]) -> dict[str, int]:
     }
 
 
-def _part(new: Path, lot: Lot, ledger: Ledger, noted: Sequence[Noted], first: int) -> dict[str, object]:
+def _part(
+    new: Path, lot: Lot, ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int
+) -> dict[str, object]:
     """Write the rows of the units from one on; return what ``lot.json`` says of them."""
 
     @lru_cache(maxsize=4)
     def block(number: int) -> pa.Table:
-        with pa.ipc.open_stream(ledger.rows(number)) as stream:
-            return stream.read_all()
+        return _table(ledger.rows(number))
 
     own = noted[first : first + PART]
-    table = pa.concat_tables([block(one.block).slice(one.place, 1) for one in own])
+    rows = (
+        _table(instead[number]) if number in instead else block(one.block).slice(one.place, 1)
+        for number, one in enumerate(own, first)
+    )
+    table = pa.concat_tables(list(rows))
     table = table.set_column(0, "number", pa.array(range(first, first + len(own)), pa.int64()))
     given = lot.units.table.slice(first, len(own))
     for name in given.column_names:
@@ -224,6 +285,11 @@ def _part(new: Path, lot: Lot, ledger: Ledger, noted: Sequence[Noted], first: in
     pq.write_table(table.combine_chunks(), new / name, compression="zstd", row_group_size=PART)
     digest = hashlib.sha256((new / name).read_bytes()).hexdigest()
     return {"file": f"{UNITS}/{name}", "units": len(own), "sha256": digest}
+
+
+def _table(rows: bytes, columns: Sequence[int] | None = None) -> pa.Table:
+    with pa.ipc.open_stream(rows, options=pa.ipc.IpcReadOptions(included_fields=columns)) as stream:
+        return stream.read_all()
 
 
 def read_units_of(folder: Path, content: Mapping[str, object]) -> dict[str, list[object]]:

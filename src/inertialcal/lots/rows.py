@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -111,6 +112,14 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
         else:
             made.append(pa.array([_clean(getattr(row, name)) for row in rows], PLAIN[name]))
     return pa.Table.from_arrays(made, schema=SCHEMA)
+
+
+def stream_of(rows: Sequence[UnitRow]) -> bytes:
+    """Return units as an Arrow stream, which is what the ledger keeps."""
+    sink, table = io.BytesIO(), table_of(rows)
+    with pa.ipc.new_stream(sink, table.schema, options=pa.ipc.IpcWriteOptions(compression="zstd")) as stream:
+        stream.write_table(table)
+    return sink.getvalue()
 
 
 def _results(rows: Sequence[UnitRow]) -> pa.ListArray:

@@ -181,7 +181,7 @@ class Study:
         return tuple(parts)
 
 
-def study(table: Table, columns: Columns, remarks: Sequence[Remark] = ()) -> Study:
+def study(table: Table, columns: Columns) -> Study:
     """Return the statistics of a lot.
 
     Parameters
@@ -190,8 +190,6 @@ def study(table: Table, columns: Columns, remarks: Sequence[Remark] = ()) -> Stu
         Its figures.
     columns : Columns
         What the table of units says of stations, of time, and of other places.
-    remarks : sequence of Remark
-        What else is known of the lot, told first.
     """
     stations, names = table.levels(columns.station) if columns.station else (np.zeros(len(table), np.intp), ("",))
     place, _ = table.place(columns.place) if columns.place else (np.arange(len(table), dtype=float), "")
@@ -227,7 +225,7 @@ def study(table: Table, columns: Columns, remarks: Sequence[Remark] = ()) -> Stu
         {code: quarantined.count(code) for code in sorted(set(quarantined))},
         tuple(_odd(table, far)), far, tuple(off), drifting, columns,
         names,
-        (*remarks, *_unplaced(place, columns.place, first), *_remarks(table, made, far, everyone)),
+        (*_unplaced(place, columns.place, first), *_remarks(table, made, far, everyone)),
     )  # fmt: skip
 
 

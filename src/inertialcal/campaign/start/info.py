@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...core.campaign_text import FILE, LOT
 from ...core.errors import InertialcalError, Problem
 from ...core.estimate import Array
 from ...core.recording import Recording
@@ -19,7 +18,7 @@ from ...files.info.channel_survey import Hint
 from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey, survey_recording
 from ...files.info.table_columns import guess_channels
-from ...files.own import own
+from ...files.own import around
 from ...procedures import procedure_names, procedure_of
 from ...procedures.given import READING, Said
 from ...procedures.suggestions import Strength, Suggestion
@@ -125,15 +124,13 @@ def next_command(
     if not recording.source.path or all(channel.quantity == "index" for channel in recording.channels):
         return None
     source = Path(recording.source.path)
-    near = [source, *list(source.parents)[:2]]
-    home = next((one for one in near if (one / FILE).is_file() or (one / LOT).is_file()), None)
-    about = None if home is None else own(home)
+    about = around(source)
     whole = f"inertialcal init {shlex.quote(str(source.parent))}" if about is None else about.do
     folder = whole if whole.split()[1] in commands else None
     every = suggestions(recording, survey)
-    found = [(name, one) for name, one in every if home is None or one.in_campaign]
+    found = [(name, one) for name, one in every if about is None or one.in_campaign]
     path = " ".join([shlex.quote(recording.source.path), *said])
-    raw = () if home is not None else _raw(recording, survey)
+    raw = () if about is not None else _raw(recording, survey)
     sure = [(name, one) for name, one in found if one.strength >= Strength.SURE]
     if (words := _first(sure, path, commands, raw)) is not None:
         return words
@@ -141,12 +138,12 @@ def next_command(
     options = _missing_options(recording, hints, survey.remarks)
     if any(one.complete for _, one in every):
         return folder
-    if options and home is None:
+    if options and about is None:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
-    if home is None and not found and any(remark.code == "nameless_columns" for remark in survey.remarks):
+    if about is None and not found and any(remark.code == "nameless_columns" for remark in survey.remarks):
         return None  # the remark says what to type
     words = None if options else _first(found, path, commands, raw)  # a campaign says its units itself
-    unclear = home is None and not every and accelerometers(recording) and not gyros(recording)
+    unclear = about is None and not every and accelerometers(recording) and not gyros(recording)
     return words or (None if unclear else folder)  # they move as in no test that shows by itself: nor for `init`
 
 
