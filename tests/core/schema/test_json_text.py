@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
 
 from inertialcal.core.key import Method
 from inertialcal.core.schema.checksum import CHECKSUM, checksum, sealed_text
@@ -47,6 +48,13 @@ def test_a_list_that_stands_in_two_places_is_written_as_deep_as_each() -> None:
     assert json_texts(content) == by_standard_library(content)
 
 
+@given(arrays(float, array_shapes(max_dims=3, max_side=4), elements=st.sampled_from([0.0, -0.0, 0.1, -2e-300, 1e22])))
+def test_an_array_is_written_as_the_lists_of_its_numbers(array: Any) -> None:
+    content = {"a": array, "b": [array.T, {"c": array}], "d": np.arange(3), "e": np.zeros((0, 2))}
+    lists = {"a": array.tolist(), "b": [array.T.tolist(), {"c": array.tolist()}], "d": [0, 1, 2], "e": []}
+    assert json_texts(content) == by_standard_library(lists)
+
+
 def test_kinds_that_are_more_than_plain_ones() -> None:
     content = {
         "numpy": np.float64(0.1),
@@ -58,7 +66,10 @@ def test_kinds_that_are_more_than_plain_ones() -> None:
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("made", [lambda one: one, lambda one: [1.0, one], lambda one: {"a": [one, "n"]}])
+@pytest.mark.parametrize(
+    "made",
+    [lambda one: one, lambda one: [1.0, one], lambda one: {"a": [one, "n"]}, lambda one: np.array([[0.0, one]])],
+)
 def test_a_number_that_json_has_not_is_refused(made: Any, number: float) -> None:
     with pytest.raises(ValueError, match="NaN"):
         json_texts(made(number))

@@ -10,7 +10,7 @@ from ...core.errors import DataError, InertialcalError
 from ...core.schema.checksum import check_unchanged, sealed_text
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
-from ...sensors.model.serial import FIRST, SCHEMA_VERSION, from_dict, to_dict
+from ...sensors.model.serial import FIRST, SCHEMA_VERSION, content_of, from_dict
 from ..source import load
 from ..write.atomic import atomic_write
 from .model_format import ImportedModels, ModelFormat, ModelText, of_one
@@ -35,7 +35,7 @@ def dump_model(model: SensorModel) -> str:
 
 def dump_models(models: SensorModel | ModelSet) -> str:
     """Return the text of ``model.json``: the same models give the same bytes."""
-    return sealed_text(to_dict(models))
+    return sealed_text(content_of(models))
 
 
 def read_models(path: str | os.PathLike[str]) -> ModelSet:

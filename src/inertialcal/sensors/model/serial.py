@@ -20,8 +20,9 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Occasion, Selection, influence_fields, influence_read
 from ...core.key import Key, Origin
 from ...core.results import finite
-from ...core.schema.checksum import checksum
+from ...core.schema.checksum import text_checksum
 from ...core.schema.content import check_content
+from ...core.schema.json_text import json_texts
 from ...core.schema.model import Model as OneModel
 from ...core.schema.model import Models as ModelContent
 from ..chain.converter import Chain, Thermometer
@@ -63,19 +64,37 @@ PLAIN = ("output_unit", "reference_pressure", "judged", "source")
 
 def to_dict(models: ModelSet | SensorModel) -> dict[str, Any]:
     """Return models as plain values: words that fix the meaning of the numbers, and a model a condition."""
+    found: dict[str, Any] = _plain_values(content_of(models))
+    return found
+
+
+def content_of(models: ModelSet | SensorModel) -> dict[str, Any]:
+    """Return the same with arrays in place of lists of numbers."""
     every = models if isinstance(models, ModelSet) else ModelSet((models,))
-    return {**WORDS, "models": {condition: _to_dict(one) for condition, one in every.items()}}
+    return {**WORDS, "models": {condition: _content(one) for condition, one in every.items()}}
 
 
-def _to_dict(model: SensorModel) -> dict[str, Any]:
-    """Return the model as plain values: text, numbers, lists, and null for what is absent."""
+def _plain_values(content: Any) -> Any:
+    if isinstance(content, np.ndarray):
+        return content.tolist()
+    if isinstance(content, dict):
+        return {name: _plain_values(part) for name, part in content.items()}
+    return [_plain_values(part) for part in content] if isinstance(content, list) else content
+
+
+def _content(model: SensorModel) -> dict[str, Any]:
+    """Return the model as text, numbers, lists, arrays, and null for what is absent."""
+    sources: dict[Provenance, dict[str, Any]] = {}
+    for made in model.provenance.values():
+        if made not in sources:
+            sources[made] = {"test": made.test, "recordings": list(made.recordings), "source": made.source}
     return {
         "kind": model.kind,
         "axes": list(model.axes),
         "unit": model.unit,
         "item": {"maker": model.item.maker, "part": model.item.part, "serial": model.item.serial},
         **{name: getattr(model, name) for name in PLAIN},
-        "terms": {name: _list(getattr(model, name)) for name in SHAPES},
+        "terms": {name: getattr(model, name) for name in SHAPES},
         "sensitivities": [
             {
                 "channel": one.channel,
@@ -92,10 +111,7 @@ def _to_dict(model: SensorModel) -> dict[str, Any]:
         "estimate": None if model.estimate is None else _estimate_to_dict(model.estimate),
         "noise": None if model.noise is None else _noise_to_dict(model.noise),
         "not_estimated": dict(model.not_estimated),
-        "provenance": {
-            name: {"test": one.test, "recordings": list(one.recordings), "source": one.source}
-            for name, one in model.provenance.items()
-        },
+        "provenance": {name: sources[one] for name, one in model.provenance.items()},
         "influences": {name: influence_fields(one) for name, one in sorted(model.influences.items())},
         "occasion": model.occasion._asdict() | {"tests": list(model.tests)},
         "selections": [
@@ -160,7 +176,7 @@ def _plain(value: Any) -> Array | float:
 
 def model_checksum(model: SensorModel) -> str:
     """Return the checksum that a ``model.json`` with this model alone carries, as ``sha256:...``."""
-    return checksum(to_dict(model))
+    return text_checksum(json_texts(content_of(model))[1])
 
 
 def from_dict(content: Mapping[str, Any]) -> ModelSet:
@@ -266,23 +282,22 @@ def _noise(content: Mapping[str, Any]) -> Estimate:
 
 
 def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
+    endless: list[float | None] = [None] * len(estimate.names)
     return {
         "names": list(estimate.names),
-        "values": estimate.values.tolist(),
+        "values": estimate.values,
         "units": list(estimate.units),
         "components": [
             {
                 "source": one.source,
                 "kind": one.kind,
-                "covariance": _rows(one.covariance),
-                "dof": [dof if math.isfinite(dof) else None for dof in one.dof.tolist()]
-                if isinstance(one.dof, np.ndarray)
-                else finite(one.dof),
+                "covariance": one.covariance,
+                "dof": _dof_content(one.dof, endless),
                 "distribution": one.distribution,
                 "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
                 "origin": one.origin._asdict(),
                 "unknowns": list(one.unknowns),
-                "changes": _list(one.changes),
+                "changes": one.changes,
                 "term": one.term,
             }
             for one in estimate.components
@@ -290,11 +305,12 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def _rows(covariance: Array) -> list[list[float]]:
-    """Return a covariance as lists; rows that hold zeros alone are one list, which is written once."""
-    zeros = [0.0] * len(covariance)
-    acts = (covariance.view(np.int64) != 0).any(axis=1)  # -0.0 is told from 0.0
-    return [row if some else zeros for row, some in zip(covariance.tolist(), acts.tolist(), strict=True)]
+def _dof_content(dof: Array | float, endless: list[float | None]) -> Any:
+    """Return degrees of freedom, infinite ones as null; of many that are all infinite, the same list."""
+    if not isinstance(dof, np.ndarray):
+        return finite(dof)
+    plain = [None if one == math.inf else one for one in dof.tolist()]
+    return endless if plain == endless else plain
 
 
 def _estimate(content: Mapping[str, Any], axes: Sequence[str], channels: Sequence[str] = ()) -> Estimate:
