@@ -121,7 +121,7 @@ def _texts_of_dict(given: dict[str, object], line: str, known: _Known) -> Texts:
 def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: _Known) -> Texts:
     inner = line + " "
     try:
-        texts = [*map(float.__repr__, given)]  # type: ignore[arg-type]
+        texts = [*map(float.__repr__, given)]
         _check_finite(",".join(texts))
     except TypeError:  # not floats alone
         writes = [*map(PLAIN.get, map(type, given))]
