@@ -29,7 +29,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -37,7 +37,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import add_differences, lags_of
+from .._kernels import lags_of
+from .._kernels_squares import fill_pairs, fill_squares, fill_windows
 from ..expected import density_of_samples
 from ..terms import SERIES_FROM, Phase, dead_time_part, exponential_gain
 
@@ -60,26 +61,39 @@ class Squares:
     """What noises give together: the covariance of their sum is quadratic in the sizes of their variances."""
 
     # Averaging times of each pair, shape (p,)
-    row: NDArray[np.intp]
-    column: NDArray[np.intp]
+    row: NDArray[np.int64]
+    column: NDArray[np.int64]
     values: Array  # shape (q (q + 1) / 2, p): Of noises 0 0, 1 0, 1 1, 2 0, ... [unit^4]
 
 
 def squares_of(phases: Sequence[Phase], m: Array, n: Array, inflation: Array | None = None) -> Squares:
     """Return what independent noises of known size give together."""
-    parts = [u for one in phases for _, u in one.exponentials]
     wanders = TAIL * float(m[-1]) * any(one.flicker > 0.0 for one in phases)
-    m, n = np.asarray(m, dtype=float), np.asarray(n, dtype=float)
+    m, n = np.array(m, dtype=float), np.array(n, dtype=float)
     raised = None if inflation is None or np.all(inflation == 1.0) else inflation.tobytes()
-    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / min(parts, default=np.inf), wanders, 2.0))
-    row, column = known.pairs
-    noises = [Noise(known, one) for one in phases]
-    found = [one.square(other) for i, one in enumerate(noises) for other in noises[: i + 1]]
-    values = 2.0 * np.array(found) / (n[row] * n[column])  # t and -t are alike
-    both = [(one, other) for i, one in enumerate(phases) for other in phases[: i + 1]]
-    for i, (one, other) in enumerate(both):
-        if one.cosines or other.cosines:
-            values[i] += _with_lines(one, other, m, n)[row, column]
+    of = np.array([i for i, one in enumerate(phases) for _ in one.exponentials], dtype=np.int64)
+    parts = np.array([part for one in phases for part in one.exponentials]).reshape(-1, 2)
+    exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])]) if len(parts) else NO_PARTS
+    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / min(parts[:, 1], default=np.inf), wanders, 2.0))
+    # what dead time adds to flicker is short, taken as white
+    linear = [one.linear + (2.0 * one.flicker * _slope(one.duty) if one.flicker else 0.0) for one in phases]
+    sizes = np.array([
+        (-0.5 * white, one.point, one.cubic / 12.0, 0.5 * one.flicker, one.ramp**2)
+        for white, one in zip(linear, phases, strict=True)
+    ])  # fmt: skip
+    lags, (row, column) = known.lags, known.pairs
+    values = np.empty((len(phases) * (len(phases) + 1) // 2, len(row)))
+    cubic, flicker = lags.cubic if sizes[:, 2].any() else ONE, lags.flicker if sizes[:, 3].any() else ONE
+    fill_squares(
+        lags.pair, lags.distance, lags.m1, lags.m2, known.windows, known.more, cubic, flicker, sizes, of, exponentials,
+        values,
+    )  # fmt: skip
+    values *= 2.0 / (n[row] * n[column])  # t and -t are alike
+    if any(one.cosines for one in phases):
+        both = [(one, other) for i, one in enumerate(phases) for other in phases[: i + 1]]
+        for i, (one, other) in enumerate(both):
+            if one.cosines or other.cosines:
+                values[i] += _with_lines(one, other, m, n)[row, column]
     return Squares(row, column, values)
 
 
@@ -97,96 +111,27 @@ def _with_lines(one: Phase, other: Phase, m: Array, n: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What the covariance takes of the averaging times alone, whatever the noise: the same of all records of a length.
+    """What the covariance takes of the averaging times alone, whatever the noise: alike for records of a length."""
 
-    Where noise has no exponentials, its covariance is made of the powers of a lag.
-    """
-
-    pairs: tuple[NDArray[np.intp], NDArray[np.intp]]  # both averaging times of each pair, shape (p,)
+    pairs: tuple[NDArray[np.int64], NDArray[np.int64]]  # both averaging times of each pair, shape (p,)
     lags: Lags
     windows: Array  # weight of each lag, shape (t,)
     more: Array  # what missing samples multiply the linear part by, shape (t,); of one number where none is missing
-    _squares: dict[tuple[int, int], Array] = field(default_factory=dict)  # sums of products of powers, shape (p,)
-
-    def power(self, i: int) -> Array:
-        """Return weighted second differences of a power: linear, none, cubic, flicker; shape (t,)."""
-        if i == 0:
-            return np.asarray(self.lags.linear * self.more)
-        return (self.lags.none, self.lags.cubic, self.lags.flicker)[i - 1]
-
-    def square(self, i: int, j: int) -> Array:
-        """Return the weighted sum of the product of two powers over the lags of each pair; of one, where j is -1."""
-        if (i, j) not in self._squares:
-            size = self.lags.size
-            terms = self.power(i) if j < 0 else self.power(i) * (self.power(j) / size) / size
-            self._squares[i, j] = self.sum_of(terms)
-        return self._squares[i, j]
-
-    def sum_of(self, terms: Array) -> Array:
-        """Return the weighted sum of something over the lags of each pair, shape (p,)."""
-        return np.asarray(np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0])), dtype=np.float64)
-
-
-class Noise:
-    """A noise of known size, at the lags of a design."""
-
-    def __init__(self, design: Design, phase: Phase) -> None:
-        """Take what it has of each power of a lag."""
-        # what dead time adds to flicker is short, taken as white
-        linear = phase.linear + 2.0 * phase.flicker * _slope(phase.duty)
-        self._design, self._ramp = design, phase.ramp**2
-        self._sizes = (-0.5 * linear, phase.point, phase.cubic / 12.0, 0.5 * phase.flicker)
-        self._parts = phase.exponentials
-
-    @cached_property
-    def _there(self) -> list[tuple[int, float]]:
-        return [(i, size) for i, size in enumerate(self._sizes) if size]
-
-    @cached_property
-    def _lags(self) -> Array:
-        """Covariance s at each lag, shape (t,); exponentials are no fixed powers."""
-        lags, exponentials = self._design.lags, NO_PARTS
-        if self._parts:
-            parts = np.array(self._parts)
-            exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
-        found = lags.of(*self._sizes[:2], self._design.more, exponentials)
-        for i, size in self._there:
-            if i >= 2:
-                found += size * self._design.power(i)
-        return found / lags.size
-
-    def square(self, other: Noise) -> Array:
-        """Return the sum over the lags of each pair, shape (p,): of itself, or of what two add to those of each."""
-        found, same = np.zeros(len(self._design.pairs[0])), self is other
-        if self._parts or other._parts:
-            found += self._design.sum_of(self._lags * other._lags)
-        else:
-            for i, one in self._there:
-                for j, two in other._there:
-                    found += one * two * self._design.square(i, j)
-        if same:
-            found *= 0.5
-        for ramp, noise in ((self._ramp, self),) if same else ((self._ramp, other), (other._ramp, self)):
-            if ramp and noise._parts:
-                found += ramp * self._design.sum_of(noise._lags * self._design.lags.size)
-            elif ramp:
-                for i, size in noise._there:
-                    found += ramp * size * self._design.square(i, -1)
-        return found
 
 
 @lru_cache(32)  # a fit asks for the same again and again, and fits of records of one length
 def _design(m: bytes, n: bytes, inflation: bytes | None, reach: float) -> Design:
     """Return what all noise has in common that is summed up to a reach [samples], not to be changed."""
-    sizes, numbers = np.frombuffer(m), np.frombuffer(n)
-    row, column = np.triu_indices(len(sizes))
-    m1, m2, n1, n2 = sizes[row], sizes[column], numbers[row], numbers[column]
-    last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
+    sizes, numbers = np.frombuffer(m).copy(), np.frombuffer(n).copy()
+    count = len(sizes) * (len(sizes) + 1) // 2
+    row, column, (m1, m2, last) = np.empty(count, np.int64), np.empty(count, np.int64), np.empty((3, count))
+    fill_pairs(sizes, numbers, float(reach), row, column, m1, m2, last)
     lags = _lags(m1.tobytes(), m2.tobytes(), last.tobytes())
-    there = np.minimum(np.minimum(n1, n2)[lags.pair], (n1 + n2)[lags.pair] / 2.0 - lags.distance)
+    windows = lags.weight.copy()
+    fill_windows(numbers, row, column, lags.pair, lags.distance, windows)
     raised = np.ones(len(sizes)) if inflation is None else np.frombuffer(inflation)
     more = np.ones(1) if inflation is None else np.sqrt(raised[row] * raised[column])[lags.pair]
-    return Design((row, column), lags, lags.weight * np.maximum(there, 0.0), more)
+    return Design((row, column), lags, windows, more)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,27 +143,6 @@ class Lags:
     weight: Array  # shape (t,)
     m1: Array  # of the pair, shape (t,) [samples]
     m2: Array
-
-    @cached_property
-    def size(self) -> Array:
-        """Of the pair: m1 m2, shape (t,)."""
-        return self.m1 * self.m2
-
-    @cached_property
-    def none(self) -> Array:
-        """Of 1 where the lag is zero, shape (t,)."""
-        return self.of(0.0, 1.0)
-
-    @cached_property
-    def linear(self) -> Array:
-        """Of the lag."""
-        return self.of(1.0, 0.0)
-
-    def of(self, linear: float, none: float, more: Array = ONE, exponentials: Array = NO_PARTS) -> Array:
-        """Return those of a sum of these, the first raised, and of exponentials: see ``_kernels.add_differences``."""
-        found = np.zeros(len(self.distance))
-        add_differences(self.distance, self.m1, self.m2, more, linear, none, exponentials, found)
-        return found
 
     @cached_property
     def cubic(self) -> Array:
