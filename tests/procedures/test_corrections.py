@@ -29,7 +29,7 @@ from inertialcal.procedures.positions.inputs import readings_of
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.thermal import reduction as thermal
-from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
+from inertialcal.procedures.thermal.correction import ThermalCorrection, sources_of
 from inertialcal.sensors.model.sensor_model import Provenance
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
@@ -64,10 +64,11 @@ def bias() -> ThermalCorrection:
 
 def test_accelerometers_keep_their_level_and_lose_the_change_from_the_reference(bias: ThermalCorrection) -> None:
     cold, usual, warm = bias.apply([at(-10.0), at(20.0), at(50.0)])[0]
-    law = law_of(bias)
-    assert {key.power for key in law} == {1, 2}  # the level holds gravity
+    law = sources_of(bias)[0]
+    assert law is not None
+    assert {key.power for key in law.keys} == {1, 2}  # the level holds gravity
     for axis in "xz":
-        one, two = (law[Key("bias_temperature", axis, power=j)][0] for j in (1, 2))
+        one, two = (law.value(Key("bias_temperature", axis, power=j)) for j in (1, 2))
         assert usual.channel(axis).data.mean() == pytest.approx(0.0, abs=1e-12)
         assert warm.channel(axis).data.mean() == pytest.approx(-(30.0 * one + 900.0 * two), rel=1e-9)
         assert cold.channel(axis).data.mean() == pytest.approx(30.0 * one - 900.0 * two, rel=1e-9)

@@ -134,14 +134,14 @@ def factor(covariance: Array) -> Array:
 
     Of the two directions of each, the one in which its first large entry is positive: rounding does not turn it.
     """
-    scale = np.sqrt(np.diag(covariance))
+    scale = np.sqrt(covariance.diagonal())
     size = np.where(scale > 0.0, scale, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    sizes, vectors = np.linalg.eigh(covariance / (size[:, None] * size))
     keep = sizes > TINY * sizes[-1]
     rows = (vectors[:, keep] * np.sqrt(sizes[keep])).T
-    large = np.abs(rows) > LARGE * np.abs(rows).max(axis=1, keepdims=True)
-    first = np.take_along_axis(rows, np.argmax(large, axis=1)[:, None], axis=1)
-    return np.asarray(np.copysign(1.0, first) * rows * size)
+    far = np.abs(rows)
+    first = (far > LARGE * far.max(axis=1, keepdims=True)).argmax(axis=1)
+    return np.asarray(np.copysign(1.0, rows[np.arange(len(rows)), first])[:, None] * rows * size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from itertools import combinations
 from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.curve import Curve
 from ..core.errors import PlanError
@@ -149,12 +150,18 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
     keys = tuple(key for key in dict.fromkeys(key for one in parts for key in one.parameters))
     scaled = next((one for one in parts if one.output_unit is not None or np.any(one.scale_factor != 1.0)), first)
     known = [one for one in parts if one.estimate is not None and one.parameters]
+    origins: dict[tuple[int, ...], Provenance] = {}  # of terms that come from the same
+    provenance = {}
+    for key in keys:
+        found = [one.provenance[key] for one in parts if key in one.provenance]
+        same = tuple(id(one) for one in found)
+        provenance[key] = origins[same] if same in origins else origins.setdefault(same, _origins(found))
     return replace(
         scaled,
         estimate=_joint([one for one in known if one.estimate is not None], keys) if known else None,
         parameters=keys,
         axes=axes,
-        provenance={key: _origins([one.provenance[key] for one in parts if key in one.provenance]) for key in keys},
+        provenance=provenance,
         not_estimated={name: text for one in reversed(parts) for name, text in one.not_estimated.items()},
         values={name: value for one in parts for name, value in one.values.items()},
         input_range=_by_axis([(one.axes, one.input_range) for one in parts], axes),
@@ -186,31 +193,61 @@ def _check_once(one: ModelTerms, other: ModelTerms) -> None:
 
 def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
     """Return the values of all parts with their covariance; those of one key add."""
-    at = {key: i for i, key in enumerate(keys)}
-    values, units = np.zeros(len(keys)), [""] * len(keys)
+    at, n = {key: i for i, key in enumerate(keys)}, len(keys)
+    values, units = np.zeros(n), [""] * n
     whole: list[Component] = []
     shared: dict[Origin, tuple[Component, dict[str, Array], Array]] = {}
     for part in parts:
-        assert part.estimate is not None  # noqa: S101 - the caller has looked
-        own = part.estimate.select(part.parameters)
-        place = [at[key] for key in own.keys]
-        for i, value, unit in zip(place, own.values, own.units, strict=True):
+        own = part.estimate
+        assert own is not None  # noqa: S101 - the caller has looked
+        places = {key: i for i, key in enumerate(own.keys)}
+        taken, place = (
+            np.array([places[key] for key in part.parameters]),
+            np.array([at[key] for key in part.parameters]),
+        )
+        for i, k in zip(place.tolist(), taken.tolist(), strict=True):
+            value, unit = own.values[k], own.units[k]
             values[i] += value if not units[i] else value * factor(unit, units[i], difference=True)
             units[i] = units[i] or unit
-        for one in own.components:
-            origin, labels = one.origin, _labels(one)
-            dof = np.full(len(keys), np.inf)
-            dof[place] = one.dof
-            if labels is None or one.changes is None:
-                origin = origin if origin.test else origin._replace(test=", ".join(part.tests))
-                whole.append(_placed(one.changed(given=origin), place, dof))
+        labels = [_labels(one) for one in own.components]
+        dof = np.full((len(labels), n), np.inf)
+        every = [one.dof[taken] if isinstance(one.dof, np.ndarray) else one.dof for one in own.components]
+        for row, given in zip(dof, every, strict=True):
+            row[place] = given
+        changed = _spread([one.changes for one in own.components], taken, place, n)
+        alone = [k for k, one in enumerate(labels) if one is None]
+        covariance = np.zeros((len(alone), n, n))
+        if alone:
+            found = np.array([own.components[k].covariance for k in alone])
+            covariance[:, place[:, None], place] = found[:, taken[:, None], taken]
+        for k, square in zip(alone, covariance, strict=True):
+            one = own.components[k]
+            origin = one.origin if one.origin.test else one.origin._replace(test=", ".join(part.tests))
+            whole.append(one.changed(given=origin, covariance=square, dof=dof[k], changes=changed[k]))
+        for one, names, rows, each in zip(own.components, labels, changed, dof, strict=True):
+            if names is None or rows is None:
                 continue
-            _, rows, least = shared.setdefault(origin, (one, {}, np.full(len(keys), np.inf)))
-            for label, row in zip(labels, one.changes, strict=True):
-                rows.setdefault(label, np.zeros(len(keys)))[place] += row
-            np.minimum(least, dof, out=least)
+            _, sums, least = shared.setdefault(one.origin, (one, {}, np.full(n, np.inf)))
+            for label, row in zip(names, rows, strict=True):
+                sums[label] = sums[label] + row if label in sums else row
+            np.minimum(least, each, out=least)
     whole += [_of_changes(one, origin, rows, dof) for origin, (one, rows, dof) in shared.items()]
-    return Estimate(tuple(keys), values, tuple(units), tuple(whole))
+    return Estimate.of_own(tuple(keys), values, tuple(units), tuple(whole))
+
+
+def _spread(
+    given: Sequence[Array | None], taken: NDArray[np.intp], place: NDArray[np.intp], n: int
+) -> list[Array | None]:
+    """Return changes of some values, (s, k) each, as those of n values at their places, (s, n)."""
+    sizes = [0 if one is None else len(one) for one in given]
+    stops = np.cumsum([0, *sizes]).tolist()
+    every = np.zeros((stops[-1], n))
+    if stops[-1]:
+        every[:, place] = np.concatenate([one for one in given if one is not None])[:, taken]
+    return [
+        None if one is None else every[start:stop]
+        for one, start, stop in zip(given, stops, stops[1:], strict=False)
+    ]  # fmt: skip
 
 
 def _labels(one: Component) -> Sequence[str] | None:
@@ -222,17 +259,6 @@ def _labels(one: Component) -> Sequence[str] | None:
     if len(one.changes) == 1 or one.origin.test:  # unknowns of another test stand in their order
         return [str(i) for i in range(len(one.changes))]
     return None
-
-
-def _placed(one: Component, place: Sequence[int], dof: Array) -> Component:
-    """Return a component of some of the values as one of all of them."""
-    covariance = np.zeros((len(dof), len(dof)))
-    covariance[np.ix_(place, place)] = one.covariance
-    changes = None
-    if one.changes is not None:
-        changes = np.zeros((len(one.changes), len(dof)))
-        changes[:, place] = one.changes
-    return one.changed(covariance=covariance, dof=dof, changes=changes)
 
 
 def _of_changes(one: Component, origin: Origin, rows: Mapping[str, Array], dof: Array) -> Component:
@@ -289,12 +315,15 @@ def _joint_noise(parts: Sequence[Estimate]) -> Estimate | None:
     keys = tuple(key for one in parts for key in one.keys)
     components, start = [], 0
     for one in parts:
-        place = list(range(start, start + len(one.keys)))
+        place = slice(start, start + len(one.keys))
         start += len(one.keys)
         for component in one.components:
             dof = np.full(len(keys), np.inf)
             dof[place] = component.dof
-            components.append(_placed(component, place, dof))
+            covariance = np.zeros((len(keys), len(keys)))
+            covariance[place, place] = component.covariance
+            (changes,) = _spread([component.changes], np.arange(len(one.keys)), np.arange(len(keys))[place], len(keys))
+            components.append(component.changed(covariance=covariance, dof=dof, changes=changes))
     values = np.concatenate([one.values for one in parts])
     return Estimate(keys, values, tuple(unit for one in parts for unit in one.units), tuple(components))
 

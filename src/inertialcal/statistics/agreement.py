@@ -23,6 +23,8 @@ References
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
@@ -106,26 +108,35 @@ def _log_chance(y: Array, u: Array, m: int, scatter: float, dof: float) -> tuple
     # The n - m values that lie closest together stand side by side in order of size
     rows = np.arange(len(y))[:, None]
     ordered, known_u = y[rows, order], u[rows, order]
-    first = np.argmin(np.var(np.lib.stride_tricks.sliding_window_view(ordered, n - m, axis=1), axis=2), axis=1)
-    places = np.arange(n - m) + first[:, None]
-    outside = np.arange(m) + np.where(np.arange(m) < first[:, None], 0, n - m)
-    kept, apart = ordered[rows, places], ordered[rows, outside]
-    known = np.mean(known_u[rows, places] ** 2, axis=1)
-    middle = np.mean(kept, axis=1)
-    square = (np.sum((kept - middle[:, None]) ** 2, axis=1) + dof * scatter**2) / freedom
+    windows, others, sets = _windows(n, m)
+    each = ordered[:, windows]  # (r, m + 1, n - m)
+    middles = each.sum(axis=2) / (n - m)
+    scatters = ((each - middles[..., None]) ** 2).sum(axis=2)
+    first = scatters.argmin(axis=1)
+    at = rows[:, 0]
+    outside = others[first]
+    middle, square = middles[at, first], (scatters[at, first] + dof * scatter**2) / freedom
+    known = (known_u[rows, windows[first]] ** 2).sum(axis=1) / (n - m)
     variance = np.maximum(square, known)
-    away, varies = apart - middle[:, None], variance > 0.0
+    away, varies = ordered[rows, outside] - middle[:, None], variance > 0.0
     size = np.where(varies, variance, 1.0)
     beyond = np.maximum(known_u[rows, outside] ** 2 - known[:, None], 0.0)
     weight = 1.0 / (1.0 + beyond / size[:, None])
-    whole = np.sum(weight, axis=1)
-    shift = np.sum(weight * away**2, axis=1) - np.sum(weight * away, axis=1) ** 2 / (n - m + whole)
-    chance = np.where(
-        varies, special.fdtrc(m, freedom, shift / (m * size)), np.where(np.any(away != 0.0, axis=1), 0.0, 1.0)
-    )
-    sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
+    shift = (weight * away**2).sum(axis=1) - (weight * away).sum(axis=1) ** 2 / (n - m + weight.sum(axis=1))
+    chance = special.fdtrc(m, freedom, shift / (m * size))
+    if not varies.all():
+        chance = np.where(varies, chance, np.where((away != 0.0).any(axis=1), 0.0, 1.0))
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(chance) + sets), order[rows, outside]
+
+
+@lru_cache(maxsize=64)
+def _windows(n: int, m: int) -> tuple[NDArray[np.intp], NDArray[np.intp], float]:
+    """Return places of n - m of n neighbours, (m + 1, n - m), of the others, (m + 1, m); log of the number of sets."""
+    first = np.arange(m + 1)[:, None]
+    others = np.arange(m) + np.where(np.arange(m) < first, 0, n - m)
+    sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
+    return np.arange(n - m) + first, others, float(sets)
 
 
 def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:

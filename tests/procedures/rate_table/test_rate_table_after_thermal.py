@@ -23,7 +23,7 @@ from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.model.held_out import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
-from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
+from inertialcal.procedures.thermal.correction import ThermalCorrection, sources_of
 from inertialcal.procedures.thermal.terms import model_terms as thermal_terms
 from inertialcal.rigs.twin import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
@@ -68,10 +68,12 @@ def test_what_is_left_is_the_reading_less_the_polynomial_at_its_temperature(
     left, whole = on_table(found).estimate, on_table(as_it_is).estimate
     assert left is not None
     assert whole is not None
+    of_law = sources_of(bias)[0]
+    assert of_law is not None
     for axis in AXES:
         law = bias.result.sensors[axis].law
         off = float((law.basis([22.0 + 3.0]) @ law.coefficients)[0])  # the unit is warmer than its room
-        slope = abs(law_of(bias)[Key("bias_temperature", axis, power=1)][0])
+        slope = abs(of_law.value(Key("bias_temperature", axis, power=1)))
         taken = whole.value(f"bias_{axis}") - left.value(f"bias_{axis}")
         assert taken == pytest.approx(off, abs=5.0 * slope + np.radians(0.0042))
         assert abs(taken) > 5.0 * abs(taken - off) or axis == "y"

@@ -19,8 +19,9 @@ but too small to matter (a tenth of ``plan.agreement``) is a warning, and no err
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import median
 
 import numpy as np
@@ -43,6 +44,7 @@ from ..agreement import CLEAR, Cause, likely_cause
 from .exclusions import exclusions
 from .plan import Plan
 from .readings import Readings
+from .turned import LikeRows
 
 FEWEST_SCATTERS = 7.0  # robust standard deviations from which a reading is odd
 MATTERS = 0.1  # of ``plan.agreement``: relative difference from which a model would be wrong
@@ -72,10 +74,9 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     """Return where runs and readings disagree with the nominal, and with each other."""
     if not len(readings) or not readings.outputs:
         return []
-    runs = _runs(readings)
-    if copies := _copies(readings, runs):
+    if copies := _copies(readings):
         return copies
-    judged = _Judged(plan, readings, runs)
+    judged = _Judged(plan, readings)
     return [
         *judged.saturated(),
         *judged.against_nominal(),
@@ -98,14 +99,14 @@ def _runs(readings: Readings) -> list[Run]:
     return found
 
 
-def _copies(readings: Readings, runs: Sequence[Run]) -> list[Remark]:
+def _copies(readings: Readings) -> list[Remark]:
     """Return a remark for each run in which a channel holds the rates of the table, digit by digit."""
     found: dict[tuple[str, str], tuple[list[Run], list[str]]] = {}
-    full = float(np.max(np.abs(readings.applied)))
-    near = {sensor: np.abs(y - readings.applied) <= EQUAL * full for sensor, y in readings.outputs.items()}
-    if not any(one.any() for one in near.values()):
+    full = float(np.abs(readings.applied).max())
+    away = np.abs(np.array([*readings.outputs.values()]) - readings.applied)
+    if not (away <= EQUAL * full).any():
         return []
-    for run in runs:
+    for run in _runs(readings):
         x = readings.applied[run.at]
         if len(np.unique(x)) < ENOUGH:
             continue
@@ -131,45 +132,46 @@ def _copies(readings: Readings, runs: Sequence[Run]) -> list[Remark]:
 
 
 class _Judged:
-    """Runs with their responses.
+    """Runs with their responses, a row a sensor.
 
     Readings at the rail are left out here too. Those of an odd scatter are not: a run in another unit has one.
     """
 
-    def __init__(self, plan: Plan, readings: Readings, runs: Sequence[Run]) -> None:
-        self.plan, self.runs, self.applied, self.where = plan, runs, readings.applied, readings.where
-        left_out = {sensor: exclusions(plan, readings, sensor) for sensor in readings.outputs}
-        earth = np.zeros((len(readings), len(AXES))) if readings.earth is None else readings.earth
-        outputs = {
-            sensor: np.where(left_out[sensor].rail, np.nan, y - earth[:, AXES.index(sensor)])
-            for sensor, y in readings.outputs.items()
-        }
-        self.outputs, self.used = outputs, {sensor: ~one.any for sensor, one in left_out.items()}
-        self.sensors = tuple(outputs)
-        self.turned = readings.turned
-        applied, numbers = readings.applied, self.turned.run_numbers
-        self.slope, level = self._lines()
-        self.off = {  # off the line of the run
-            s: y - level[numbers, j] - self.slope[numbers, j] * applied for j, (s, y) in enumerate(outputs.items())
-        }
+    def __init__(self, plan: Plan, readings: Readings) -> None:
+        self.plan, self.readings, self.applied, self.where = plan, readings, readings.applied, readings.where
+        self.turned, self.sensors = readings.turned, tuple(readings.outputs)
         self.sets = self.turned.like_runs
+        left_out = [exclusions(plan, readings, sensor) for sensor in self.sensors]
+        rail = np.array([one.rail for one in left_out])
+        y: Array = np.array([*readings.outputs.values()])
+        if readings.earth is not None:
+            y = y - readings.earth.T[[AXES.index(sensor) for sensor in self.sensors]]
+        self.outputs = np.where(rail, np.nan, y) if rail.any() else y
+        self.used = ~np.array([one.any for one in left_out])
+        self.slope, level = self._lines()  # (runs, sensors)
+        numbers = self.turned.run_numbers
+        self.off = self.outputs - level[numbers].T - self.slope[numbers].T * self.applied  # off the line of the run
+        self.known = np.isfinite(self.off)
+        axes = np.array([one.axis for one in self.turned.runs_about])
+        self.own = axes[:, None] == np.array(self.sensors)  # (runs, sensors)
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
-        self.odd = {s: off.copy() for s, off in self.off.items()}
-        alone = {(k, s): one for k in range(len(self.sets)) for s, one in self._scales(k).items()}
-        self.scales = self._lent(alone)
+        self.odd = self.off.copy()
+        self.scale, self.dof = self._lent(*self._scales())  # (sets, sensors)
         spread = self._spreads()
-        scale = np.zeros_like(self.slope)
-        for k, one in enumerate(self.sets):
-            for j, sensor in enumerate(outputs):
-                scale[list(one), j] = self.scales[k, sensor][0]
         some = spread > 0.0
+        scale = self.scale[self.turned.set_of_run]
         self.u = np.where(some, scale / np.sqrt(EFFICIENCY * np.where(some, spread, 1.0)), 0.0)
-        self.named = np.zeros(len(runs), dtype=bool)
+        self.named = np.zeros(len(self.slope), dtype=bool)
+
+    @cached_property
+    def runs(self) -> list[Run]:
+        """Its runs, as remarks call them."""
+        return _runs(self.readings)
 
     def _lines(self) -> tuple[Array, Array]:
         """Return slope and level of each sensor in each run, shapes (runs, sensors)."""
-        y = np.column_stack([*self.outputs.values()]).T
-        slope, level = (np.full((len(self.runs), len(y)), np.nan) for _ in range(2))
+        y = self.outputs
+        slope, level = (np.full((len(self.turned.runs_about), len(y)), np.nan) for _ in range(2))
         for numbers, rows in self.turned.run_lengths:
             if rows.shape[1] <= AT_ONCE:
                 found = repeated_median_lines(self.applied[rows][:, None], y[:, rows].swapaxes(0, 1))
@@ -182,59 +184,63 @@ class _Judged:
 
     def _spreads(self) -> Array:
         """Return the sum of squares of the rates of each run about their mean, as read, shape (runs, sensors)."""
-        found, runs = np.zeros_like(self.slope), len(self.runs)
-        for j, y in enumerate(self.outputs.values()):
-            numbers, x = self.turned.run_numbers, self.applied
-            if not (read := np.isfinite(y)).all():
-                numbers, x = numbers[read], x[read]
-            count = np.maximum(np.bincount(numbers, minlength=runs), 1)
-            away = x - (np.bincount(numbers, x, runs) / count)[numbers]
-            found[:, j] = np.bincount(numbers, away**2, runs)
-        return found
+        read = np.isfinite(self.outputs)
+        if read.all():
+            return np.repeat(self.turned.spread_in_runs(read[0])[:, None], len(read), axis=1)
+        return np.column_stack([self.turned.spread_in_runs(one) for one in read])
 
-    def _scales(self, k: int) -> dict[str, tuple[float, float]]:
-        """Return by sensor scale and degrees of freedom of the readings of a set of runs about their lines."""
-        at = np.concatenate([self.runs[i].at for i in self.sets[k]])
-        kinds: dict[bytes, list[str]] = {}
-        for sensor, off in self.off.items():
-            kinds.setdefault(np.isfinite(off[at]).tobytes(), []).append(sensor)
-        found: dict[str, tuple[float, float]] = {}
-        for known, sensors in kinds.items():
-            rows = at[np.frombuffer(known, dtype=bool)]
-            off = np.array([self.off[sensor] for sensor in sensors])
-            fitted = 2 * len(self.sets[k])
-            if len(rows):
-                for same in self.turned.at_rates(rows, SAME_RATE):
-                    if same.shape[1] >= ENOUGH:
-                        off[:, same] -= medians(off[:, same])[..., None]
-                        fitted += len(same)
-            for sensor, one in zip(sensors, off, strict=True):
-                self.odd[sensor][rows] = one[rows]
-            scale, dof = robust_scales(off[:, rows], fitted)
-            found.update(zip(sensors, zip(scale.tolist(), dof.tolist(), strict=True), strict=True))
-        return {sensor: found[sensor] for sensor in self.sensors}
+    def _scales(self) -> tuple[Array, Array]:
+        """Return scale and degrees of freedom of the readings of sets of runs about their lines, (sets, sensors)."""
+        scale, dof = (np.zeros((len(self.sets), len(self.sensors))) for _ in range(2))
 
-    def _lent(self, alone: Mapping[tuple[int, str], tuple[float, float]]) -> dict[tuple[int, str], tuple[float, float]]:
+        def find(sets: NDArray[np.intp], sensors: NDArray[np.intp], like: LikeRows) -> None:
+            off, fitted = self.off[sensors], 2 * len(self.sets[sets[0]])
+            for same in like.at_rates:
+                if same.shape[2] >= ENOUGH:
+                    off[:, same] -= medians(off[:, same])[..., None]
+                    fitted += same.shape[1]
+            at = like.rows.ravel()
+            self.odd[sensors[:, None], at] = off[:, at]
+            own = np.ix_(sets, sensors)
+            scale[own], dof[own] = (one.T for one in robust_scales(off[:, like.rows], fitted))
+
+        every = np.arange(len(self.sensors))
+        if self.known.all():
+            for sets, like in self.turned.sets_alike(SAME_RATE):
+                find(sets, every, like)
+            return scale, dof
+        for k, one in enumerate(self.sets):
+            at = np.concatenate([self.turned.runs_about[i].at for i in one])
+            kinds: dict[bytes, list[int]] = {}
+            for j, known in enumerate(self.known[:, at]):
+                kinds.setdefault(known.tobytes(), []).append(j)
+            for there, sensors in kinds.items():
+                rows = at[np.frombuffer(there, dtype=bool)]
+                if len(rows):
+                    rates = [same[None] for same in self.turned.at_rates(rows, SAME_RATE)]
+                    find(np.array([k]), np.array(sensors), LikeRows(rows[None], rates))
+        return scale, dof
+
+    def _lent(self, scale: Array, dof: Array) -> tuple[Array, Array]:
         """Return scales with their degrees of freedom; one that rests on little is not below what is usual."""
-        if all(dof >= SURE for _, dof in alone.values()):
-            return dict(alone)
-        axes = [self.runs[one[0]].axis for one in self.sets]
-        usual: dict[bool, tuple[float, float]] = {}
-        for own in (True, False):
-            like = [one for (k, s), one in alone.items() if (axes[k] == s) == own and one[1] > 0.0]
-            if like:
-                usual[own] = median(scale for scale, _ in like), sum(dof for _, dof in like)
-        found = {}
-        for (k, s), (scale, dof) in alone.items():
-            least, shared = usual.get(axes[k] == s, (scale, dof))
-            found[k, s] = (scale, dof) if dof >= SURE else (max(scale, least), shared)
-        return found
+        if (dof >= SURE).all():
+            return scale, dof
+        own, least, shared = self.own[[one[0] for one in self.sets]], scale.copy(), dof.copy()
+        for kind in (own, ~own):
+            like = kind & (dof > 0.0)
+            if like.any():
+                least[kind], shared[kind] = median(scale[like].tolist()), sum(dof[like].tolist())
+        sure = dof >= SURE
+        return np.where(sure, scale, np.maximum(scale, least)), np.where(sure, dof, shared)
 
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""
+        nominal = self._nominal()
+        if (nominal | self.named).all():
+            return
         for axis in dict.fromkeys(run.axis for run in self.runs):
             mine = [i for i, run in enumerate(self.runs) if run.axis == axis and not self.named[i]]
-            causes = {i: self._cause(i) for i in mine if not self._is_nominal(i)}
+            causes = {i: self._cause(i) for i in mine if not nominal[i]}
             bad = {i: cause for i, cause in causes.items() if cause is not None}
             self.named[list(bad)] = True
             if len(mine) > 1 and len(bad) == len(mine) and len({one.code for one in bad.values()}) == 1:
@@ -244,19 +250,16 @@ class _Judged:
             for i, cause in bad.items():
                 yield cause.remark(self.runs[i].name, self.runs[i].place, axis)
 
-    def _is_nominal(self, i: int) -> bool:
-        """Whether nothing of a response would be named, whatever its scatter leaves open."""
-        away = {
-            s: abs(one - (s == self.runs[i].axis)) for s, one in zip(self.sensors, self.slope[i].tolist(), strict=True)
-        }
-        own = away.pop(self.runs[i].axis, np.nan)
-        return own <= self.plan.agreement and all(one <= CLEAR for one in away.values())
+    def _nominal(self) -> NDArray[np.bool_]:
+        """Return of each run whether nothing of its response would be named, whatever its scatter leaves open."""
+        away = np.abs(self.slope - self.own) <= np.where(self.own, self.plan.agreement, CLEAR)
+        return np.asarray(away.all(axis=1) & self.own.any(axis=1))
 
     def _cause(self, i: int) -> Cause | None:
         axis = self.runs[i].axis
         k = next(k for k, one in enumerate(self.sets) if i in one)
         response = dict(zip(self.sensors, self.slope[i].tolist(), strict=True))
-        dof = [self.scales[k, sensor][1] for sensor in self.sensors]
+        dof = self.dof[k].tolist()
         sure = 1.0 - 0.5 * FALSE_ALARM / self.slope.size
         doubt = {s: t_quantile(nu, sure) * self.u[i, j] if nu else 0.0
                  for j, (s, nu) in enumerate(zip(self.sensors, dof, strict=True))}  # fmt: skip
@@ -265,26 +268,21 @@ class _Judged:
 
     def against_others(self) -> Iterator[Remark]:
         """Yield runs that differ from the others about the axis."""
-        pairs = [(k, j) for k in range(len(self.sets)) for j in range(len(self.sensors))]
-        owns = {(k, j): self.runs[self.sets[k][0]].axis == self.sensors[j] for k, j in pairs}
-        alike: dict[int, list[tuple[int, int]]] = {}  # judged by themselves, of one number of runs
-        alone: list[tuple[int, int]] = []
         slopes = np.where(self.named[:, None], np.nan, self.slope)
-        for k, j in pairs:
-            one = list(self.sets[k])
-            whole = len(one) >= FEW and np.isfinite(slopes[one, j]).all()
-            (alike.setdefault(len(one), []) if whole else alone).append((k, j))
-        everyone = list(owns.values())
-        alpha = {own: FALSE_ALARM * (0.5 if own else 0.25) / max(everyone.count(own), 1) for own in (True, False)}
-        for some in alike.values():
-            values, u = (np.array([of[list(self.sets[k]), j] for k, j in some]) for of in (slopes, self.u))
-            found = any_disagrees(values, u, np.array([alpha[owns[pair]] for pair in some]))
-            alone += [pair for pair, bad in zip(some, found, strict=True) if bad]
-        for k, j in sorted(alone):
+        owns = self.own[[one[0] for one in self.sets]]  # (sets, sensors)
+        count = int(np.count_nonzero(owns))
+        alpha = FALSE_ALARM * np.where(owns, 0.5 / max(count, 1), 0.25 / max(owns.size - count, 1))
+        alone = np.ones(owns.shape, dtype=bool)  # not judged by themselves, of one number of runs
+        for sets, runs in self.turned.set_lengths:
+            values, u = (each[runs].swapaxes(1, 2) for each in (slopes, self.u))  # (sets, sensors, runs)
+            at, of = np.nonzero(np.isfinite(values).all(axis=2) & (runs.shape[1] >= FEW))
+            alone[sets[at], of] = any_disagrees(values[at, of], u[at, of], alpha[sets[at], of])
+        for pair in np.argwhere(alone):
+            k, j = int(pair[0]), int(pair[1])
             one, sensor = list(self.sets[k]), self.sensors[j]
             few = np.isfinite(slopes[one, j]).sum() < FEW
             scatter, dof = self._scatter_of_others(k, j) if few else (0.0, 0.0)
-            bad = disagreeing(slopes[one, j], self.u[one, j], alpha[owns[k, j]], scatter, dof)
+            bad = disagreeing(slopes[one, j], self.u[one, j], float(alpha[k, j]), scatter, dof)
             if bad.any():
                 yield from self._different([one[i] for i in np.flatnonzero(bad)], one, j, sensor)
 
@@ -326,8 +324,8 @@ class _Judged:
     def saturated(self) -> Iterator[Remark]:
         """Yield runs that follow the lower rates and not the highest ones, both ways: their means saturate."""
         for k, one in enumerate(self.sets):
-            axis = self.runs[one[0]].axis
-            ends = self._saturated(k, axis) if axis in self.sensors else None
+            axis = self.turned.runs_about[one[0]].axis
+            ends = self._saturated(k, self.sensors.index(axis)) if axis in self.sensors else None
             if ends is not None:
                 self.named[list(one)] = True
                 name = f"all {len(one)} runs about {axis}" if len(one) > 1 else self.runs[one[0]].name
@@ -337,13 +335,16 @@ class _Judged:
                 cause = Cause("saturated", f"{what}: it saturates", do)
                 yield cause.remark(name, self.runs[one[0]].place, axis)
 
-    def _saturated(self, k: int, axis: str) -> Array | None:
-        """Return the readings at the highest rates both ways, where they saturate; None elsewhere."""
-        at = np.concatenate([self.runs[i].at for i in self.sets[k]])
-        highest = self.turned.highest(at[np.isfinite(self.off[axis][at])])
+    def _saturated(self, k: int, j: int) -> Array | None:
+        """Return the readings of a sensor at the highest rates both ways, where they saturate; None elsewhere."""
+        rows = self.turned.rows_of_sets[k]
+        highest = self.turned.highest(rows[self.known[j, rows]])
         if highest is None or highest.sizes < ENOUGH:
             return None
-        y, off = self.outputs[axis], self.off[axis]
+        y, off, largest = self.outputs[j], self.off[j], highest.largest
+        tops = [median(off[rows].tolist()) for _, rows in (way[0] for way in highest.ways)]
+        if not min(tops[0], -tops[1]) > CLIPPED * largest:
+            return None
         ends, least, step, others, bend = [], np.inf, 0.0, 0.0, 0.0
         for way, rates in zip((-1.0, 1.0), highest.ways, strict=True):
             (rate, rows), (next_rate, next_rows) = rates  # all of them read
@@ -354,8 +355,8 @@ class _Judged:
             least = min(least, -way * top_off)
             others, bend = max(others, abs(lower_off)), max(bend, (next_rate / rate) ** 3)
             step = max(step, abs((top - lower) / (rate - next_rate)))
-        largest, fitted = highest.largest, 2 * len(self.sets[k])
-        if not (least > CLIPPED * largest and (others < CUBIC * bend * least or step < HELD)):
+        fitted = 2 * len(self.sets[k])
+        if not (others < CUBIC * bend * least or step < HELD):
             return None
         x = np.abs(self.applied[highest.rows])
         inner = [off[highest.rows[x < (1.0 - SAME_RATE) * rate]] for rate in (abs(highest.ways[1][1][0]), largest)]
@@ -368,23 +369,22 @@ class _Judged:
 
     def single_readings(self) -> Iterator[Remark]:
         """Yield readings that are off the line of their run, unlike the others at their rate."""
-        count = sum(np.isfinite(off).sum() for off in self.off.values())
-        p = FALSE_ALARM * 0.25 / max(float(count), 1.0)
+        p = FALSE_ALARM * 0.25 / max(float(np.count_nonzero(self.known)), 1.0)
+        judged = (self.dof > 0.0) & (self.scale > 0.0)  # coarse readings may not scatter at all
+        least = np.where(judged, FEWEST_SCATTERS * self.scale, np.inf)[self.turned.set_of_run[self.turned.run_numbers]]
+        beyond = self.used & (np.abs(self.odd) > least.T)
+        if not beyond.any():
+            return
         for k, one in enumerate(self.sets):
-            at = np.concatenate([self.runs[i].at for i in one])
-            for sensor in self.sensors:
-                scale, dof = self.scales[k, sensor]
-                if dof <= 0.0 or scale <= 0.0:  # coarse readings may not scatter at all
-                    continue
-                if not np.any(self.used[sensor][at] & (np.abs(self.odd[sensor][at]) > FEWEST_SCATTERS * scale)):
-                    continue
-                limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
+            for j in np.flatnonzero(beyond[:, self.turned.rows_of_sets[k]].any(axis=1)).tolist():
+                scale = float(self.scale[k, j])
+                limit = scale * max(FEWEST_SCATTERS, t_quantile(float(self.dof[k, j]), 1.0 - 0.5 * p))
                 for i in one:
                     if not self.named[i]:
-                        yield from self._odd_readings(self.runs[i], sensor, limit, scale, len(one))
+                        yield from self._odd_readings(self.runs[i], j, limit, scale, len(one))
 
-    def _odd_readings(self, run: Run, sensor: str, limit: float, scale: float, runs: int) -> Iterator[Remark]:
-        x, off, used = self.applied[run.at], self.odd[sensor][run.at], self.used[sensor][run.at]
+    def _odd_readings(self, run: Run, j: int, limit: float, scale: float, runs: int) -> Iterator[Remark]:
+        x, off, used, sensor = self.applied[run.at], self.odd[j, run.at], self.used[j, run.at], self.sensors[j]
         full = float(np.max(np.abs(x)))
         if runs < ENOUGH:  # no other reading shows how the sensor is curved
             limit = max(limit, self.plan.agreement * full)
@@ -402,7 +402,7 @@ class _Judged:
             return
         worst = odd[np.argmax(size[odd])]
         severity: Severity = "error" if size[worst] > MATTERS * self.plan.agreement * full else "warning"
-        rate, far, reads = np.degrees([x[worst], away[worst], self.outputs[sensor][run.at[worst]]])
+        rate, far, reads = np.degrees([x[worst], away[worst], self.outputs[j, run.at[worst]]])
         many = "1 reading is" if len(odd) == 1 else f"{len(odd)} of {len(run.at)} readings are"
         what = (
             f"{many} unlike the others: {sensor} at {rate:+.6g} deg/s about {run.axis} reads {reads:+.6g} deg/s,"

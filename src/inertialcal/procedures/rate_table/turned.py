@@ -113,6 +113,13 @@ class Highest(NamedTuple):
     ways: tuple[tuple[tuple[float, NDArray[np.intp]], tuple[float, NDArray[np.intp]]], ...]
 
 
+class LikeRows(NamedTuple):
+    """Rows of sets of runs that are alike, shape (sets, rows), and those at one rate each, (sets, rates, rows)."""
+
+    rows: NDArray[np.intp]
+    at_rates: list[NDArray[np.intp]]
+
+
 class Turned:
     """Rates of dwells, shape (n,), with axes turned, runs and recordings.
 
@@ -148,6 +155,8 @@ class Turned:
         self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
         self._highest: dict[bytes, Highest | None] = {}
         self._at_rates: dict[bytes, list[NDArray[np.intp]]] = {}
+        self._sets_alike: dict[float, list[tuple[NDArray[np.intp], LikeRows]]] = {}
+        self._spread: Array | None = None
         self._straight: dict[bytes, Decomposed] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
@@ -202,6 +211,54 @@ class Turned:
         for i, one in enumerate(self.runs_about):
             lengths.setdefault(len(one.at), []).append(i)
         return tuple((np.array(at), np.array([self.runs_about[i].at for i in at])) for at in lengths.values())
+
+    @cached_property
+    def set_of_run(self) -> NDArray[np.intp]:
+        """Number of the set of like runs that each run is of, shape (runs,)."""
+        numbers = np.empty(len(self.runs_about), dtype=np.intp)
+        for k, one in enumerate(self.like_runs):
+            numbers[list(one)] = k
+        return numbers
+
+    @cached_property
+    def rows_of_sets(self) -> tuple[NDArray[np.intp], ...]:
+        """Rows of each set of like runs, run after run."""
+        return tuple(np.concatenate([self.runs_about[i].at for i in one]) for one in self.like_runs)
+
+    @cached_property
+    def set_lengths(self) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], ...]:
+        """Sets of as many like runs: their numbers, shape (s,), and runs, shape (s, length)."""
+        lengths: dict[int, list[int]] = {}
+        for k, one in enumerate(self.like_runs):
+            lengths.setdefault(len(one), []).append(k)
+        return tuple((np.array(at), np.array([self.like_runs[k] for k in at])) for at in lengths.values())
+
+    def sets_alike(self, step: float) -> list[tuple[NDArray[np.intp], LikeRows]]:
+        """Return the numbers of sets of as many like runs, with their rows at as many rates, up to a step."""
+        if step not in self._sets_alike:
+            kinds: dict[tuple[object, ...], list[int]] = {}
+            rates = [self.at_rates(rows, step) for rows in self.rows_of_sets]
+            for k, (one, rows) in enumerate(zip(self.like_runs, self.rows_of_sets, strict=True)):
+                kinds.setdefault((len(one), len(rows), *(same.shape for same in rates[k])), []).append(k)
+            self._sets_alike[step] = [
+                (np.array(at), LikeRows(np.array([self.rows_of_sets[k] for k in at]),
+                                        [np.array(same) for same in zip(*(rates[k] for k in at), strict=True)]))
+                for at in kinds.values()
+            ]  # fmt: skip
+        return self._sets_alike[step]
+
+    def spread_in_runs(self, read: NDArray[np.bool_]) -> Array:
+        """Return the sum of squares of the rates that were read about their mean, run by run, shape (runs,)."""
+        whole = bool(read.all())
+        if whole and self._spread is not None:
+            return self._spread
+        numbers, x, runs = self.run_numbers[read], self.applied[read], len(self.runs_about)
+        count = np.maximum(np.bincount(numbers, minlength=runs), 1)
+        away = x - (np.bincount(numbers, x, runs) / count)[numbers]
+        found = np.asarray(np.bincount(numbers, away**2, runs), dtype=float)
+        if whole:
+            self._spread = found
+        return found
 
     def highest(self, rows: NDArray[np.intp]) -> Highest | None:
         """Return the highest rates of rows; None where one way has fewer than two."""

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
@@ -157,7 +158,33 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
 
 def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()) -> dict[Origin, Unknowns]:
     """Return what is not known of the bias taken off, a dwell for the temperatures of each level, by origin."""
-    result, n = bias.result, len(levels)
+    found, sources = sources_of(bias, levels)
+    if found is None:
+        return {}
+    n, law = len(levels), np.flatnonzero([key.at is None for key in found.keys])
+    held = [(i, int(key.at.value), AXES.index(key.axis)) for i, key in enumerate(found.keys) if key.at is not None]
+    telling = law if n == 0 else np.array([i for i, _, _ in held], dtype=np.intp)  # values that tell of a sensor
+    keys = tuple(found.keys[i] for i in law)
+    every = {}
+    for one, changes in sources:
+        patterns = np.zeros((len(changes), n, 3))
+        for i, dwell, axis in held:
+            patterns[:, dwell, axis] = changes[:, i]
+        origin = one.origin._replace(test=bias.test)
+        of_sensor = dof_of_sensors(found, one, telling, n == 0)
+        every[origin] = Unknowns(origin, one.kind, patterns, keys, changes[:, law], of_sensor, one.distribution,
+                                 one.stated, one.unknowns)  # fmt: skip
+    return every
+
+
+def sources_of(
+    bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()
+) -> tuple[Estimate | None, list[tuple[Component, Array]]]:
+    """Return the bias taken off at each level, with the coefficients of its law, and what is not known of them.
+
+    Of each source the changes of all values by each of its unknowns, shape (s, values). None where nothing is known.
+    """
+    result = bias.result
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
     standards.setdefault(PATH, Influence(0.0, result.readings.unit))  # one path was seen: the thermal test remarks it
     plan = replace(result.plan, standards=standards)
@@ -168,10 +195,23 @@ def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()
     }
     found = estimate(plan, laws, {axis: [one] for axis, one in asked.items()}, result.readings.unit)
     if found is None:
-        return {}
-    every = [_taken_off(found, one, _changes(found, one, laws, asked), n, bias.test)
-             for one in found.components if np.any(one.u)]  # fmt: skip
-    return {one.origin: one for one in every}
+        return None, []
+    acting = [one for one in found.components if (one.covariance.diagonal() > 0.0).any()]
+    return found, [(one, _changes(found, one, laws, asked)) for one in acting]
+
+
+def dof_of_sensors(found: Estimate, component: Component, values: NDArray[np.intp], fewest: bool = True) -> Array:
+    """Return the degrees of freedom of a source, by sensor, shape (3,): the fewest of some values of it, or the last.
+
+    Of a sensor without a value they are infinite.
+    """
+    of_sensor = np.full(3, np.inf)
+    at = [AXES.index(found.keys[i].axis) for i in values]
+    if fewest and isinstance(component.dof, np.ndarray):
+        np.minimum.at(of_sensor, at, component.dof[values])
+    else:
+        of_sensor[at] = component.dof[values] if isinstance(component.dof, np.ndarray) else component.dof
+    return of_sensor
 
 
 def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Asked:
@@ -181,8 +221,8 @@ def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Aske
     units = [unit] * len(warmth) + [power_unit(unit, "degC", j) for j in range(law.order + 1)]
 
     def rows(one: Law) -> Array:
-        powers = powers_from_series(one.order, one.domain, result.plan.reference_temperature)
-        return np.vstack([one.basis(warmth) - _level(result, one), powers[: law.order + 1]])
+        powers = powers_from_series(one.order, one.domain, result.plan.reference_temperature)[: law.order + 1]
+        return np.vstack([one.basis(warmth) - _level(result, one), powers]) if len(warmth) else powers
 
     own = rows(law)
     more = None if law.higher is None else rows(law.higher) @ law.higher.coefficients - own @ law.coefficients
@@ -209,40 +249,6 @@ def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], ask
     return np.concatenate(blocks)
 
 
-def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
-    """Return value and unit of each coefficient of the bias that is taken off, SI."""
-    found = {}
-    unit = bias.result.readings.unit
-    earth = _earth(bias.result)
-    for axis, one in bias.result.sensors.items():
-        powers = powers_from_series(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
-        values = powers @ one.law.coefficients
-        values[0] -= earth[AXES.index(axis)]
-        for key, value in zip(law_keys(axis, one.law.order), values, strict=True):
-            if key.power or unit != "m/s^2":  # of an accelerometer the level holds gravity
-                found[key] = float(value), power_unit(unit, "degC", key.power)
-    return found
-
-
 def law_keys(axis: str, order: int) -> list[Key]:
     """Return the keys of the coefficients of a bias over temperature."""
     return [Key("bias", axis), *(Key("bias_temperature", axis, power=j) for j in range(1, order + 1))]
-
-
-def _taken_off(found: Estimate, component: Component, changes: Array, n: int, test: str) -> Unknowns:
-    """Return a source as independent unknowns."""
-    dof = np.broadcast_to(np.asarray(component.dof, dtype=float), len(found.names))
-    patterns, of_sensor = np.zeros((len(changes), n, 3)), np.full(3, np.inf)
-    for i, key in enumerate(found.keys):
-        if key.at is not None:
-            patterns[:, int(key.at.value), AXES.index(key.axis)] = changes[:, i]
-            of_sensor[AXES.index(key.axis)] = dof[i]
-    law = [i for i, key in enumerate(found.keys) if key.at is None]
-    for i in law if n == 0 else ():  # of the coefficients alone
-        at = AXES.index(found.keys[i].axis)
-        of_sensor[at] = min(of_sensor[at], dof[i])
-    keys = tuple(found.keys[i] for i in law)
-    kind, shape = component.kind, component.distribution
-    origin = component.origin._replace(test=test)
-    return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated,
-                    component.unknowns)  # fmt: skip

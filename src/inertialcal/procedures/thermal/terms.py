@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import Key, Origin
-from ...core.unknowns import Unknowns
+from ...core.key import AXES, Key, Origin
 from ...sensors.model.sensor_model import Provenance
 from ..model_terms import ModelTerms
 from ..protocol import Tested
-from .correction import ThermalCorrection, law_of, unknowns
+from .correction import ThermalCorrection, dof_of_sensors, sources_of
 from .reduction import Result
 
 HYSTERESIS = "bias_hysteresis"
@@ -31,20 +30,24 @@ HYSTERESIS = "bias_hysteresis"
 def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> ModelTerms | None:
     """Return the bias over temperature; None where nothing of it has an uncertainty."""
     bias = ThermalCorrection(tests[0].id, result)
-    law, found = law_of(bias), unknowns(bias)
-    known = {key for one in found.values() for key in one.keys}
-    keys = tuple(key for key in law if key in known)
-    if not keys:
+    found, sources = sources_of(bias)
+    if found is None or not sources:
         return None
-    estimate = Estimate(
-        keys,
-        np.array([law[key][0] for key in keys]),
-        tuple(law[key][1] for key in keys),
-        tuple(_component(one, keys) for one in found.values()),
-    )
+    every = np.arange(len(found.keys))
+    of_sensor = [AXES.index(key.axis) for key in found.keys]
+    parts = []
+    for one, changes in sources:
+        covariance = changes.T @ changes
+        parts.append(one.changed(
+            given=one.origin._replace(test=bias.test),
+            covariance=0.5 * (covariance + covariance.T),
+            dof=dof_of_sensors(found, one, every)[of_sensor],
+            changes=changes,
+        ))  # fmt: skip
+    estimate = Estimate.of_own(found.keys, found.values, found.units, tuple(parts))
     estimate = _with_hysteresis(result, tests[0].id, estimate)
     sweeps = tuple(sweep.name for sweep in result.readings.sweeps)
-    axes = tuple(axis for axis in tests[0].facts.axes if axis in {key.axis for key in keys})
+    axes = tuple(axis for axis in tests[0].facts.axes if axis in {key.axis for key in found.keys})
     return ModelTerms(
         estimate,
         estimate.keys,
@@ -96,15 +99,3 @@ def _with_hysteresis(result: Result, test: str, estimate: Estimate) -> Estimate:
         (*estimate.units, *(result.readings.unit,) * n),
         (*wider, Component(origin, "A", covariance, free, "t")),
     )
-
-
-def _component(one: Unknowns, keys: Sequence[Any]) -> Component:
-    """Return a source of the coefficients that are given."""
-    places = {key: i for i, key in enumerate(keys)}
-    own = [i for i, key in enumerate(one.keys) if key in places]
-    changes = np.zeros((len(one.law), len(keys)))
-    changes[:, [places[one.keys[i]] for i in own]] = one.law[:, own]
-    covariance = changes.T @ changes
-    dof = np.array([one.dof["xyz".index(key.axis)] for key in keys])
-    return Component(one.origin, one.kind, 0.5 * (covariance + covariance.T), dof, one.distribution, one.stated,
-                     changes, one.unknowns)  # fmt: skip
