@@ -103,6 +103,9 @@ class Registry(MutableMapping[str, T]):
             ``unknown_name`` if there is none; ``broken_plugin`` if the package that adds it cannot be loaded, or gives
             something else.
         """
+        known = self._added.get(name) or self._loaded.get(name)
+        if known is not None:
+            return known
         if name not in self:
             raise UsageError(f"no {self.kind} {name!r}", do=f"There are: {', '.join(self)}", code="unknown_name")
         return self[name]

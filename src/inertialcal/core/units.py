@@ -248,6 +248,7 @@ def kind(unit: str) -> str:
     return next((name for name, known in _KINDS.items() if same_dimension(unit, known)), "other")
 
 
+@lru_cache(_REMEMBERED)
 def same_dimension(a: str, b: str) -> bool:
     """Return whether values in one unit can be expressed in the other."""
     return _in_base_units(read_unit(a))[1] == _in_base_units(read_unit(b))[1]

@@ -121,7 +121,7 @@ class Assembled:
             return None
         if made.time_ns is None or content.time_ns is not None or len(own.columns) != len(content.columns):
             return None
-        channels = {one.name: one for one in made.channels}
+        channels: dict[str, Channel] = {one.name: one for one in made.channels}
         filled = False  # to the end, as the other is
         for before, now in zip(own.columns, content.columns, strict=True):
             if (before.name, before.unit, before.values.dtype) != (now.name, now.unit, now.values.dtype):
@@ -130,12 +130,17 @@ class Assembled:
                 return None
             one = channels.get(now.name)
             if one is None or one.quantity in MEANT_BY_VALUES:
-                if not np.array_equal(before.values, now.values):
+                labels = one is not None and not one.quantity and _is_constant(before.values)  # neither time nor index
+                if not np.array_equal(before.values, now.values) and not (labels and _is_constant(now.values)):
                     return None
                 filled = filled or now.values[-1] != 0
             if one is not None:
-                channels[now.name] = replace(one, data=_data(now.values))
-        return replace(made, channels=tuple(channels.values()), source=source) if filled else None
+                channels[now.name] = one.changed(data=_data(now.values))
+        return made.changed(channels=tuple(channels.values()), source=source) if filled else None
+
+
+def _is_constant(values: NDArray[Any]) -> bool:
+    return bool((values == values[:1]).all())
 
 
 def _refuse_grouped(content: Content, path: str) -> None:

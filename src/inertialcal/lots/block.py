@@ -18,7 +18,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
-from ..campaign.engine.engine import open_test, order_of, placed, prepare, reduce_alike, screened_samples
+from ..campaign.engine.engine import Outlines, open_test, order_of, placed, prepare, reduce_alike, screened_samples
 from ..campaign.engine.reductions import Reduced, waiting_for
 from ..campaign.engine.whole import Whole, tests_of, whole_of
 from ..campaign.file.load import Campaign, campaign_of, standards_of, with_clock
@@ -34,6 +34,7 @@ from ..files.binary.parquet import clock_in
 from ..files.registry import Columns
 from ..files.source import changed_input
 from ..signals.blas import one_blas_thread
+from ..signals.remembered import looked_at_once
 from .rows import UnitRow, quarantined, stream_of
 from .stores import Delivery, Place, Shared, UnitStore, file_of
 
@@ -236,6 +237,7 @@ def _uncollected() -> Iterator[None]:
 
 @_uncollected()
 @one_blas_thread()
+@looked_at_once()
 def reduce_block(job: Job, units: Sequence[Given]) -> Block:
     """Return a block of units reduced; no unit ends another.
 
@@ -286,6 +288,7 @@ def _reduce(working: Sequence[_Unit], ended: dict[int, tuple[UnitRow, Ended]]) -
     """Reduce every test of all units, those of one number together."""
     template = working[0].campaign.file.tests if working else []
     places = {one.id: number for number, one in enumerate(template)}
+    outlines: Outlines = {}
     for number in order_of(template):
         before = {name: places[name] for name in template[number].after}
         ready = []
@@ -294,7 +297,8 @@ def _reduce(working: Sequence[_Unit], ended: dict[int, tuple[UnitRow, Ended]]) -
                 continue
             results = {name: unit.found[place].result for name, place in before.items()}
             with _apart(unit, number, ended):
-                ready.append((unit, results, prepare(unit.campaign, number, results, unit.store, unit.gate)))
+                prepared = prepare(unit.campaign, number, results, unit.store, unit.gate, outlines=outlines)
+                ready.append((unit, results, prepared))
                 unit.store.leave(unit.campaign.file.recordings[name].file for name in template[number].recordings)
         found = reduce_alike([one for _, _, one in ready]) if ready else []
         for (unit, results, prepared), result in zip(ready, found, strict=True):

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -34,6 +34,7 @@ from ..core.errors import DataError, PlanError
 from ..core.recording import Recording, Source
 from ..files.assemble import Assembled
 from ..files.binary.parquet import contents_of
+from ..files.reader import Request
 from ..files.registry import Columns, read_recording
 from ..files.text.table import Table, table_of_content
 from .units import csv_heading
@@ -41,6 +42,7 @@ from .units import csv_heading
 COLUMN = re.compile(r"\{([^{}]*)\}")
 CSV = (".csv", ".txt", ".tsv")
 HEAD = 2**16  # bytes of a CSV that tell what separates its cells, and its letters
+PADDED = 8  # bytes of which Arrow streams values in whole multiples
 PATIENCE = 20  # until a server that does not answer is given up [s]; of its own, that of Google Cloud waits 15 minutes
 Key = tuple[str, ...]  # what tells a unit apart in a file of many: its serial number, and more cells as text
 
@@ -195,6 +197,14 @@ def file_of(pattern: str, cells: Mapping[str, str], folder: str = "") -> str:
     return found
 
 
+class Alike(NamedTuple):
+    """What an entry says of how its file is read, and the recording that it gave."""
+
+    said: tuple[object, ...]
+    request: Request
+    assembled: Assembled
+
+
 @dataclass(frozen=True, eq=False)
 class UnitStore(ReadOnce):
     """Files of a unit: recordings in the folder of the unit, what is common to all beside the template.
@@ -209,13 +219,13 @@ class UnitStore(ReadOnce):
         In which the recordings lie as the campaign of the unit names them.
     handed : mapping of (Content, Source)
         Columns of recordings that came out of a file of many units, and lie nowhere, by file.
-    alike : dict of Assembled
-        Recordings of other units, by file and what is asked of it.
+    alike : dict of Alike
+        Recordings of other units, by file and columns that it needs.
     """
 
     root: Path = field(default_factory=Path)
     handed: Mapping[str, Columns] = field(default_factory=dict[str, Columns])
-    alike: dict[str, Assembled] = field(default_factory=dict[str, Assembled])
+    alike: dict[tuple[str, ...], Alike] = field(default_factory=dict[tuple[str, ...], "Alike"])
 
     def path(self, file: str) -> Path:
         """Return where a file lies: one that is no recording of the unit, beside the template."""
@@ -227,11 +237,18 @@ class UnitStore(ReadOnce):
         known = self.handed.get(entry.file)
         if known is None:
             return super().recording(entry, required)
-        request = request_of(entry, required)
-        key = f"{entry.file} {request}"
-        found = read_recording(self.root / entry.file, request, handed=known, alike=self.alike.get(key))
-        if request.window.is_all:
-            self.alike.setdefault(key, Assembled(known[0], found))
+        which = (entry.file, *required)
+        alike = self.alike.get(which)
+        said = (entry.clock, entry.text, entry.frame, entry.topics)
+        if alike is not None and all(one is other for one, other in zip(said, alike.said, strict=True)):
+            request = alike.request
+        else:
+            request = request_of(entry, required)
+            alike = alike if alike is not None and alike.request == request else None
+        own = None if alike is None else alike.assembled
+        found = read_recording(known[1].path, request, handed=known, alike=own)
+        if alike is None and request.window.is_all:
+            self.alike[which] = Alike(said, request, Assembled(known[0], found))
         return found
 
     def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
@@ -243,6 +260,26 @@ class UnitStore(ReadOnce):
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""
         return file in self.handed or super().has(file)
+
+
+class _Piece(NamedTuple):
+    """Some rows of a table."""
+
+    table: pa.Table
+    rows: range | NDArray[np.intp]
+
+    @property
+    def nbytes(self) -> float:
+        """Bytes that they take, about."""
+        return float(self.table.nbytes * len(self.rows) / max(len(self.table), 1))
+
+
+def _joined(pieces: Sequence[_Piece]) -> pa.Table:
+    """Return the rows of pieces one after the other."""
+    return pa.concat_tables(
+        one.table.slice(one.rows.start, len(one.rows)) if isinstance(one.rows, range) else one.table.take(one.rows)
+        for one in pieces
+    )
 
 
 class Delivery:
@@ -260,7 +297,7 @@ class Delivery:
         self.place, self.shared = place, shared
         self.temporary = None if place.is_local and not shared else TemporaryDirectory(prefix="inertialcal-lot-")
         self.handed: dict[int, dict[str, Columns]] = {}  # of each unit, by file
-        self.alike: dict[str, Assembled] = {}  # by file and what is asked of it: recordings of other units
+        self.alike: dict[tuple[str, ...], Alike] = {}  # by file and columns that it needs: recordings of other units
 
     def __enter__(self) -> Delivery:
         """Return it."""
@@ -297,13 +334,13 @@ class Delivery:
             except DataError as error:
                 refused |= dict.fromkeys(keys, error)
                 continue
-            held = sum(table.nbytes for tables in found.values() for table in tables)
-            there = {number: pa.concat_tables(found[key]) for number, key in keys.items() if key in found}
-            if there and held <= HELD and not one.is_text:
+            there = {number: found[key] for number, key in keys.items() if key in found}
+            held = sum(piece.nbytes for pieces in there.values() for piece in pieces)
+            if held <= HELD and not one.is_text:
                 refused = self._hand_over(one, there) | refused
             else:
-                for number, rows in there.items():
-                    self._lay_down(number, one, rows)
+                for number, pieces in there.items():
+                    self._lay_down(number, one, _joined(pieces))
             for number, key in keys.items():
                 if number in there:
                     continue
@@ -312,22 +349,43 @@ class Delivery:
                 refused.setdefault(number, DataError(f"no row of {said}", one.file, do=do, code="no_rows"))
         return refused
 
-    def _hand_over(self, shared: Shared, there: Mapping[int, pa.Table]) -> dict[int, DataError]:
+    def _hand_over(self, shared: Shared, there: Mapping[int, Sequence[_Piece]]) -> dict[int, DataError]:
         """Hand over the rows of units in memory, all columns turned into arrays at once; return those that are none."""
-        ends = np.cumsum([0, *(len(one) for one in there.values())]).tolist()
-        every = pa.concat_tables(there.values()).drop_columns([shared.serial]).combine_chunks()
-        plain, parts = plain_rows(every), [range(*pair) for pair in pairwise(ends)]
-        paths = [str(self.root(number) / shared.file) for number in there]
+        groups: dict[int, tuple[pa.Table, dict[int, range]]] = {}
+        scattered: dict[int, pa.Table] = {}
+        for number, pieces in there.items():
+            table, rows = pieces[0].table, pieces[0].rows
+            if len(pieces) == 1 and isinstance(rows, range):
+                groups.setdefault(id(table), (table, {}))[1][number] = rows
+            else:
+                scattered[number] = _joined(pieces)
+        if scattered:
+            ends = np.cumsum([0, *(len(one) for one in scattered.values())]).tolist()
+            parts = dict(zip(scattered, (range(*pair) for pair in pairwise(ends)), strict=True))
+            groups[0] = pa.concat_tables(scattered.values()), parts
+        refused: dict[int, DataError] = {}
+        for table, parts in groups.values():
+            refused |= self._hand_over_rows(shared, table, parts)
+        return refused
+
+    def _hand_over_rows(self, shared: Shared, table: pa.Table, parts: Mapping[int, range]) -> dict[int, DataError]:
+        """Hand over stretches of rows of one table, by unit; return those that are none."""
+        first, stop = min(one.start for one in parts.values()), max(one.stop for one in parts.values())
+        every = table.slice(first, stop - first).drop_columns([shared.serial]).combine_chunks()
+        own = [range(one.start - first, one.stop - first) for one in parts.values()]
+        paths = [str(self.root(number) / shared.file) for number in parts]
         refused: dict[int, DataError] = {}
         try:
-            contents = list(contents_of(every, parts, paths))
+            contents = list(contents_of(every, own, paths))
         except DataError as error:
-            return dict.fromkeys(there, error)
-        for number, part, path, content in zip(there, parts, paths, contents, strict=True):
+            return dict.fromkeys(parts, error)
+        for number, digest, path, content in zip(
+            parts, digests_of(plain_rows(every), own), paths, contents, strict=True
+        ):
             if isinstance(content, DataError):
                 refused[number] = content
                 continue
-            source = Source(path, digest_of(plain.slice(part.start, len(part))), content.format, "parquet")
+            source = Source(path, digest, content.format, "parquet")
             self.handed.setdefault(number, {})[shared.file] = content, source
         return refused
 
@@ -340,14 +398,14 @@ class Delivery:
         else:
             pq.write_table(own, path, compression="none", use_dictionary=False, write_statistics=False)
 
-    def _rows(self, shared: Shared, wanted: Set[Key]) -> dict[Key, list[pa.Table]]:
+    def _rows(self, shared: Shared, wanted: Set[Key]) -> dict[Key, list[_Piece]]:
         """Return the rows of some units of a file of many, piece by piece."""
         system, root = self.place.opened()
         known = system.get_file_info(f"{root}/{shared.file}")
         if known.type == pa_fs.FileType.NotFound:
             do = "Check files in LOT.toml"
             raise DataError("no such file", shared.file, do=do, code="missing_file")
-        found: dict[Key, list[pa.Table]] = {}
+        found: dict[Key, list[_Piece]] = {}
         with reading(shared.file):
             made = _as_text(system, f"{root}/{shared.file}") if shared.is_text else ds.ParquetFileFormat()
             data = ds.dataset(f"{root}/{shared.file}", filesystem=system, format=made)
@@ -363,9 +421,7 @@ class Delivery:
             for table in _text_tables(data, here) if shared.is_text else _groups(data, here, system):
                 for key, rows in _rows_by_key(table, shared.columns).items():
                     if key in wanted:
-                        found.setdefault(key, []).append(
-                            table.slice(rows.start, len(rows)) if isinstance(rows, range) else table.take(rows)
-                        )
+                        found.setdefault(key, []).append(_Piece(table, rows))
         return found
 
     def root(self, number: int) -> Path:
@@ -408,20 +464,53 @@ def plain_rows(table: pa.Table) -> pa.Table:
     return table.cast(pa.schema([one.with_type(_plain(one.type)) for one in table.schema], table.schema.metadata))
 
 
-def digest_of(plain: pa.Table) -> str:
-    """Return the SHA-256 of plain rows (`plain_rows`): of schema and columns as Arrow streams them.
+def digests_of(plain: pa.Table, parts: Sequence[range]) -> list[str]:
+    """Return the SHA-256 of some plain rows (`plain_rows`) after others: of schema and columns as Arrow streams them.
 
     What lies below a null is nobody's: of such columns that of where they are, and of what is there.
     """
-    digest = hashlib.sha256(plain.schema.serialize())
-    for column in plain.columns:
-        if pa.types.is_nested(column.type):
-            digest.update(repr(column.to_pylist()).encode())
-            continue
-        known = (column.is_null().cast(pa.uint8()), column.drop_null()) if column.null_count else (column,)
-        for one in known:
-            digest.update(pa.record_batch([one.combine_chunks()], [""]).serialize())
-    return digest.hexdigest()
+    begun = hashlib.sha256(plain.schema.serialize())
+    held = [_held(column) for column in plain.columns]
+    heads: dict[tuple[int, int], memoryview] = {}  # what stands before the values, by column and their number
+    found = []
+    for part in parts:
+        digest = begun.copy()
+        for at, (column, values) in enumerate(zip(plain.columns, held, strict=True)):
+            if values is None:
+                for one in _streamed(column.slice(part.start, len(part))):
+                    digest.update(one)
+                continue
+            own = values[part.start : part.stop].data.cast("B")
+            beyond = -len(own) % PADDED
+            if (at, len(part)) not in heads:
+                (whole,) = _streamed(column.slice(part.start, len(part)))
+                heads[at, len(part)] = memoryview(whole)[: whole.size - len(own) - beyond]
+            digest.update(heads[at, len(part)])
+            digest.update(own)
+            digest.update(bytes(beyond))
+        found.append(digest.hexdigest())
+    return found
+
+
+def _held(column: pa.ChunkedArray) -> NDArray[np.void] | None:
+    """Return the values of a column as they lie in memory; None where they do not lie there one after the other."""
+    kind = column.type
+    if column.null_count or column.num_chunks != 1 or not pa.types.is_primitive(kind) or kind.bit_width % 8:
+        return None
+    chunk = column.chunk(0)
+    width = kind.bit_width // 8
+    lies: NDArray[np.void] = np.frombuffer(chunk.buffers()[1], np.dtype((np.void, width)), len(chunk) + chunk.offset)
+    return lies[chunk.offset :]
+
+
+def _streamed(column: pa.ChunkedArray) -> Iterator[Any]:
+    """Yield the bytes of some rows of a column."""
+    if pa.types.is_nested(column.type):
+        yield repr(column.to_pylist()).encode()
+        return
+    known = (column.is_null().cast(pa.uint8()), column.drop_null()) if column.null_count else (column,)
+    for one in known:
+        yield pa.record_batch([one.combine_chunks()], [""]).serialize()
 
 
 def _plain(kind: pa.DataType) -> pa.DataType:
@@ -464,25 +553,29 @@ def _groups(data: ds.Dataset, here: pc.Expression, system: pa_fs.FileSystem) -> 
 
 def _rows_by_key(table: pa.Table, names: Sequence[str]) -> dict[Key, range | NDArray[np.intp]]:
     """Return the rows of each combination of the cells of some columns as text, in their order."""
-    words: list[list[str]] = []
-    number = np.zeros(table.num_rows, dtype=np.int64)
-    for name in names:
-        column = table[name].combine_chunks().dictionary_encode()
-        texts = ["" if one is None else str(one) for one in column.dictionary.cast(pa.string()).to_pylist()] + [""]
-        known: dict[str, int] = {}
-        code = np.array([known.setdefault(one, len(known)) for one in texts])
-        number = number * len(known) + code[column.indices.cast(pa.int64()).fill_null(len(texts) - 1).to_numpy()]
-        words.append(list(known))
-    first = np.flatnonzero(np.diff(number, prepend=-1))  # of each run of equal cells
-    runs: dict[int, list[tuple[int, int]]] = {}
-    for start, stop in pairwise([*first.tolist(), len(number)]):
-        runs.setdefault(int(number[start]), []).append((start, stop))
-    found: dict[Key, range | NDArray[np.intp]] = {}
-    sizes = tuple(map(len, words))
-    for combined, own in runs.items():
-        key = tuple(texts[int(at)] for texts, at in zip(words, np.unravel_index(combined, sizes), strict=True))
-        starts, stops = np.array(own, dtype=np.intp).T
-        length = stops - starts
-        before = np.cumsum(length) - length
-        found[key] = range(*own[0]) if len(own) == 1 else np.arange(length.sum()) + np.repeat(starts - before, length)
-    return found
+    runs = [_runs(table[name].combine_chunks()) for name in names]
+    stops = np.unique(np.concatenate([ends for ends, _ in runs]))  # of each run of equal cells
+    own = [[texts[at] for at in np.searchsorted(ends, stops).tolist()] for ends, texts in runs]
+    pieces: dict[Key, list[tuple[int, int]]] = {}
+    start = 0
+    for stop, *key in zip(stops.tolist(), *own, strict=True):
+        known = pieces.setdefault(tuple(key), [])
+        if known and known[-1][1] == start:
+            known[-1] = known[-1][0], stop
+        else:
+            known.append((start, stop))
+        start = stop
+    return {
+        key: range(*one[0]) if len(one) == 1 else np.concatenate([np.arange(*pair) for pair in one])
+        for key, one in pieces.items()
+    }
+
+
+def _runs(column: pa.Array) -> tuple[NDArray[np.intp], list[str]]:
+    """Return where each run of equal cells ends, and their text; that of a null is empty."""
+    coded = pa.types.is_dictionary(column.type)
+    column = column.cast(pa.string()) if pa.types.is_string_view(column.type) else column
+    found = pc.run_end_encode(column.indices if coded else column)
+    values = column.dictionary.take(found.values) if coded else found.values
+    texts = ["" if one is None else str(one) for one in values.cast(pa.string()).to_pylist()]
+    return found.run_ends.to_numpy().astype(np.intp), texts

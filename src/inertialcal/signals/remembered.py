@@ -7,7 +7,9 @@ they are: an array that was changed in place is another one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import is_dataclass
 from functools import wraps
 from hashlib import sha1
@@ -24,10 +26,12 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 LONGEST = 2**22  # bytes of the arrays of a call: a digest of more takes longer than it may save
+ONCE = 2**16  # where each recording is looked at once, and short arrays alone come again: rates of a table, a ramp
 SHORT, FEW = 512, 1_000  # numbers, and calls, beyond which a compiled loop pays
 MOST = 128  # results that are kept of a function, those of the last calls
 PLAIN = frozenset({np.ndarray, np.float64, np.int64, str, float, int, bool, type(None)})
 _kept: list[dict[bytes, object]] = []  # of each function
+_longest: ContextVar[int] = ContextVar("longest", default=LONGEST)
 
 
 def remembered(function: Callable[P, R]) -> Callable[P, R]:
@@ -66,7 +70,8 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
     def again(*args: P.args, **kwargs: P.kwargs) -> R:
         parts = _parts((args, kwargs))
         arrays = [one for one in parts if isinstance(one, np.ndarray)]
-        if sum(one.nbytes for one in arrays) > LONGEST or any(is_stored(one) or one.dtype.hasobject for one in arrays):
+        long = sum(one.nbytes for one in arrays) > _longest.get()
+        if long or any(is_stored(one) or one.dtype.hasobject for one in arrays):
             return _read_only(function(*args, **kwargs))
         key = _digest(parts)
         with lock:
@@ -81,6 +86,16 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
         return found
 
     return again
+
+
+@contextmanager
+def looked_at_once() -> Iterator[None]:
+    """Look up what short arrays show alone meanwhile: no recording comes again."""
+    before = _longest.set(ONCE)
+    try:
+        yield
+    finally:
+        _longest.reset(before)
 
 
 def forget() -> None:

@@ -23,6 +23,7 @@ from ...procedures import procedure_of
 from ...procedures.display import displayed
 from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
 from ...procedures.recorded import QUANTITIES as RECORDED
+from ...sensors.chain.converter import Chain
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.sample_rates import rate_remarks
 from ..file.load import Campaign
@@ -121,6 +122,62 @@ def plan_of(procedure: Procedure[P, R, S], given: Mapping[str, Any], facts: Fact
     return procedure.plan(values, facts)
 
 
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """What a test is before any file is read: units of a lot share it, as their campaigns hold the same objects."""
+
+    given: tuple[object, ...]  # It follows from these alone
+    procedure: Procedure[Any, Any, Any]
+    leading: Facts  # Of the first sensor, with those of the others
+    facts: Mapping[str, Facts]  # By sensor
+    chains: Mapping[str, Chain | None]  # By recording
+    plan: Any
+    counts_twice: bool  # Whether another test of its readings would be fitted, too
+    exact: tuple[Remark, ...]  # On standards without uncertainty
+    asked: bool  # Whether a requirement asks for what recordings give
+
+    @classmethod
+    def of(cls, file: CampaignFile, test: Test, standards: Standards) -> Outline:
+        """Return that of a test.
+
+        Raises
+        ------
+        PlanError
+            If a setting is wrong.
+        """
+        procedure = procedure_of(test.procedure)
+        entries = {name: file.recordings[name] for name in test.recordings}
+        facts = {one.sensor: facts_of(file.sensors[one.sensor], standards, file.site) for one in entries.values()}
+        first = entries[test.recordings[0]].sensor
+        leading = replace(facts[first], others=tuple(one for name, one in facts.items() if name != first))
+        return cls(
+            _given(file, test, standards),
+            procedure,
+            leading,
+            facts,
+            {name: chain_of(one, file.sensors[one.sensor]) for name, one in entries.items()},
+            plan_of(procedure, test.plan, leading),
+            any(counts_twice(file, test, one) for one in file.tests),
+            tuple(zero_remarks(standards, procedure.effects())),
+            any(one.quantity in RECORDED for one in file.requirements),
+        )
+
+    def holds(self, file: CampaignFile, test: Test, standards: Standards) -> bool:
+        """Return whether it is that of a test of another campaign."""
+        given = _given(file, test, standards)
+        return len(given) == len(self.given) and all(a is b for a, b in zip(given, self.given, strict=True))
+
+
+def _given(file: CampaignFile, test: Test, standards: Standards) -> tuple[object, ...]:
+    """Return what an outline follows from, but for the files."""
+    entries = [file.recordings[name] for name in test.recordings]
+    of_recordings = [part for one in entries for part in (one.sensor, one.channels)]
+    return test, standards, file.sensors, file.site, file.tests, file.requirements, *of_recordings
+
+
+Outlines = dict[int, Outline]  # By number of the test
+
+
 def prepare_test(
     file: CampaignFile,
     test: Test,
@@ -129,6 +186,7 @@ def prepare_test(
     corrections: Sequence[Correction] = (),
     gate: Gate | None = None,
     screening: bool = True,
+    outline: Outline | None = None,
 ) -> Prepared:
     """Return a test of a campaign, ready to be reduced.
 
@@ -148,37 +206,25 @@ def prepare_test(
         That knows columns which other tests read.
     screening : bool
         Leave out samples that are no readings.
+    outline : Outline, optional
+        Of the test, where it is known.
 
     Raises
     ------
     PlanError, DataError
         If a setting is wrong, or a recording cannot be read.
     """
-    procedure = procedure_of(test.procedure)
-    entries = {name: file.recordings[name] for name in test.recordings}
-    sensors = {name: file.sensors[entry.sensor] for name, entry in entries.items()}
-    facts = {entry.sensor: facts_of(sensors[name], standards, file.site) for name, entry in entries.items()}
-    leading = entries[test.recordings[0]].sensor
-    first = replace(facts[leading], others=tuple(one for name, one in facts.items() if name != leading))
-    plan = plan_of(procedure, test.plan, first)
+    outline = outline or Outline.of(file, test, standards)
+    procedure, plan, facts = outline.procedure, outline.plan, outline.facts
     spec = procedure.inputs_for(plan, corrections)
-    sources = [
-        Ready(
-            store,
-            name,
-            one,
-            sensors[name],
-            facts[one.sensor],
-            spec,
-            test,
-            chain_of(one, sensors[name]),
-            screening,
-            gate or Gate(),
-        )
-        for name, one in entries.items()
-    ]
-    several = len({one.file for one in entries.values()}) > 1  # one file is no copy of itself
-    compared = screening and (several or any(counts_twice(file, test, one) for one in file.tests))
+    gate = gate or Gate()
+    sources = []
+    for name in dict.fromkeys(test.recordings):
+        entry, chain = file.recordings[name], outline.chains[name]
+        sensor = file.sensors[entry.sensor]
+        sources.append(Ready(store, name, entry, sensor, facts[entry.sensor], spec, test, chain, screening, gate))
+    several = len({one.file for one in sources}) > 1  # one file is no copy of itself
+    compared = screening and (several or outline.counts_twice)
     contents = [one.content for one in sources if compared or one.is_table]
     problems = list(duplicates(contents))
     if problems:
@@ -191,27 +237,37 @@ def prepare_test(
     except InertialcalError as error:
         raise _explained(error, [remark for one in sources for remark in one.remarks]) from None
     gated = [remark for one in sources for remark in one.remarks]
-    exact = zero_remarks(standards, procedure.effects())
     rates = [remark for sensor in facts for remark in rate_remarks(_rates(sources, sensor))]
     known = {(one.code, one.what) for one in readings.remarks}
     unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
     elsewhere = _outside_condition(file, test, sources)
-    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
+    of_sensor = procedure.remarks(outline.leading)
+    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *of_sensor, *outline.exact)
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=in_order(more, test.recordings))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
     occasion = occasion_of(file, test, sources)
-    asked = any(one.quantity in RECORDED for one in file.requirements)
-    recorded = tuple(replace(row, test=test.id) for one in sources if asked for row in one.recorded())
+    recorded = tuple(replace(row, test=test.id) for one in sources if outline.asked for row in one.recorded())
     spans = [one.span for one in sources]
     ends = [span for span in spans if span is not None]
     whole = len(ends) == len(spans) > 0
     span = (min(start for start, _ in ends), max(stop for _, stop in ends)) if whole else None
     saves = tuple(curve for one in sources if (curve := one.saves) is not None)
     return Prepared(
-        test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded, span, saves
+        test,
+        outline.leading,
+        plan,
+        readings,
+        inputs,
+        origins,
+        screened,
+        tuple(contents),
+        occasion,
+        recorded,
+        span,
+        saves,
     )
 
 
@@ -601,6 +657,7 @@ def prepare(
     store: Store | None = None,
     gate: Gate | None = None,
     screening: bool = True,
+    outlines: Outlines | None = None,
 ) -> Prepared:
     """Return readings and plan of one test; problems get the place of the test where they have none.
 
@@ -618,16 +675,25 @@ def prepare(
         That knows columns which other tests read.
     screening : bool
         Leave out samples that are no readings.
+    outlines : dict of Outline, optional
+        Of tests of other units, by number; those of this one are added.
     """
-    file, test = campaign.file, campaign.file.tests[number]
+    file, test, standards = campaign.file, campaign.file.tests[number], campaign.standards
     try:
         corrections = [] if found is None else corrections_for(test, file.tests, found)
-        prepared = prepare_test(
-            file, test, campaign.standards, store or Folder(campaign.folder), corrections, gate, screening
-        )
-        of_files = (remark for remark in prepared.readings.remarks if remark.code != COMPENSATED)
-        remarks = [*(_inside(campaign, remark) for remark in of_files), *_compensated(campaign, prepared)]
-        return replace(prepared, readings=replace(prepared.readings, remarks=tuple(remarks)))
+        outline = None if outlines is None else outlines.get(number)
+        if outline is None or not outline.holds(file, test, standards):
+            outline = Outline.of(file, test, standards)
+            if outlines is not None:
+                outlines[number] = outline
+        store = store or Folder(campaign.folder)
+        prepared = prepare_test(file, test, standards, store, corrections, gate, screening, outline)
+        known = tuple(prepared.readings.remarks)
+        of_files = (remark for remark in known if remark.code != COMPENSATED)
+        remarks = (*(_inside(campaign, remark) for remark in of_files), *_compensated(campaign, prepared))
+        if remarks == known:
+            return prepared
+        return replace(prepared, readings=replace(prepared.readings, remarks=remarks))
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
 
@@ -645,6 +711,8 @@ def _compensated(campaign: Campaign, prepared: Prepared) -> Iterator[Remark]:
 def _inside(campaign: Campaign, remark: Remark) -> Remark:
     """Name files as the campaign does: results must not depend on where the folder lies."""
     prefix = f"{campaign.folder}/"
+    if prefix not in remark.where and prefix not in remark.what:
+        return remark
     return replace(remark, where=remark.where.replace(prefix, ""), what=remark.what.replace(prefix, ""))
 
 

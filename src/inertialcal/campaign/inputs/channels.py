@@ -29,6 +29,13 @@ from .ground import ChainModel, after_model
 
 TEMPERATURE, GAIN = "temperature", "gain"
 NO_CHAIN = {name: role for name, role in ROLES.items() if name not in OF_CHAIN}  # channels that are in units already
+TAKEN = frozenset(  # names of channels that mean something
+    {
+        *(name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))),
+        *(PREDICTED + axis for axis in AXES),
+        *(what for what, role in NO_CHAIN.items() if role.kind),
+    }
+)
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 LONGEST = 1.01  # averaging over the interval, from which a sample would hold some of the next
 
@@ -113,19 +120,17 @@ def in_body_axes(
 def _with_units(recording: Recording, units: dict[str, str]) -> Recording:
     """Return the recording with the units that the campaign states, by column."""
     stated = {recording.channel(column).name: unit for column, unit in units.items()}
-    channels = tuple(
-        replace(c, unit=stated[c.name] or None, unit_from="campaign") if c.name in stated else c
-        for c in recording.channels
-    )
-    return replace(recording, channels=channels)
+    channels = [
+        one.changed(unit=stated[one.name] or None, unit_from="campaign") if one.name in stated else one
+        for one in recording.channels
+    ]
+    return recording.changed(channels=tuple(channels))
 
 
 def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
     """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
-    taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
-    taken |= {PREDICTED + axis for axis in AXES} | {what for what, role in NO_CHAIN.items() if role.kind}
-    unsaid = taken - set(columns.values())
-    return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
+    unsaid = TAKEN.intersection(recording.names).difference(columns.values())
+    return recording.changed(channels=tuple([c for c in recording.channels if c.name not in unsaid]))
 
 
 def _gain_columns(columns: dict[str, str], axes: tuple[str, ...]) -> dict[str, str]:
@@ -161,7 +166,8 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
         what = f"averaging over {number(averaging, 6)} s, but samples are {number(interval, 6)} s apart"
         do = f'Give what a sample is the mean of, at most its interval: --averaging "{number(interval, 6)} s"'
         raise DataError(what, recording.source.path, do=do, code="averaging_time")
-    recording = replace(recording, sample_interval=interval, averaging_time=averaging)
+    if (interval, averaging) != (recording.sample_interval, recording.averaging_time):
+        recording = replace(recording, sample_interval=interval, averaging_time=averaging)
     shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:
         return recording
@@ -189,8 +195,8 @@ def _in_si(recording: Recording, columns: dict[str, str], unit: str, as_wide: bo
             kind_of = turn(values[:0], given, unit).dtype
             values = changed(values, partial(turn, from_unit=given, to_unit=unit), kind_of)
         made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
-    others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
-    return replace(recording, channels=(*made, *others))
+    used = {*columns.values(), *columns}
+    return recording.changed(channels=(*made, *[one for one in recording.channels if one.name not in used]))
 
 
 def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor: Sensor, as_wide: bool) -> Recording:
@@ -207,7 +213,8 @@ def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor:
             times = abs(parse_quantity(one.scale_factor).value)
             values = changed(given.data, lambda part, times=times: part / times)  # type: ignore[misc]
             scaled[given.name] = replace(given, data=values, unit=one.reading_unit)
-    recording = replace(recording, channels=tuple(scaled.get(one.name, one) for one in recording.channels))
+    if scaled:
+        recording = recording.changed(channels=tuple(scaled.get(one.name, one) for one in recording.channels))
     added = {one.quantity for one in entries.values()}
     if len(added) > 1:
         what = "channels x, y, z: some are rates, others increments or their sum"
@@ -245,6 +252,15 @@ def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix
     return body
 
 
+def one_factor(entry: RecordingEntry, sensor: Sensor, chain: Chain | None) -> bool:
+    """Return whether one factor makes the axes of `in_body_axes` of those that are stored, without a ground model."""
+    if chain is not None or sensor.mounting is not None or sensor.kind == "other":
+        return False
+    own = [one for axis, one in (entry.channels or {}).items() if axis in sensor.axes]
+    units = {one.unit for one in own}
+    return all(one.scale_factor is None for one in own) and len(units) == 1 and kind(units.pop() or "1") != TEMPERATURE
+
+
 def in_windows(recording: Recording, windows: Sequence[tuple[int, int]] | None) -> Flags | None:
     """Return which samples lie in windows; None where there are no windows, or no time in UTC."""
     if not windows or recording.time_ns is None or recording.epoch != "utc":
@@ -272,5 +288,5 @@ def windowed(recording: Recording, test: Test) -> Recording:
     assert keep is not None  # noqa: S101 - it has time
     if not keep.any():
         raise DataError(f"test {test.id!r}: no sample is in its windows", recording.source.path, code="nothing_left")
-    channels = tuple(replace(channel, data=kept(channel.data, keep)) for channel in recording.channels)
-    return replace(recording, channels=channels, time_ns=kept(recording.time_ns, keep))
+    channels = tuple([channel.changed(data=kept(channel.data, keep)) for channel in recording.channels])
+    return recording.changed(channels=channels, time_ns=kept(recording.time_ns, keep))

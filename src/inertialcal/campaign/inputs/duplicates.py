@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, groupby
 
 import numpy as np
@@ -43,18 +44,59 @@ class Content:
         As the campaign calls it.
     samples : Fingerprints or None
         Of a recording.
-    rows : tuple of tuple of str
-        Readings of a table as they are written, run by run.
-    labels, places : tuple of str
-        Run of each row, empty where none is named; ``file:row``.
+    table : Table, optional
+        Whose rows are readings.
+    columns : sequence of str
+        Those of its readings.
+    run : str
+        Its column of runs; empty where it has none.
     """
 
     name: str
     file: str
     samples: Fingerprints | None = None
-    rows: tuple[tuple[str, ...], ...] = ()
-    labels: tuple[str, ...] = ()
-    places: tuple[str, ...] = ()
+    table: Table | None = None
+    columns: Sequence[str] = ()
+    run: str = ""
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether there are readings in a table."""
+        return self.table is not None and len(self.table) > 0
+
+    @property
+    def all_differ(self) -> bool:
+        """Whether no two rows are equal, as one column shows."""
+        return self.table is not None and any(self.table.all_differ(one) for one in self.columns)
+
+    @property
+    def rows(self) -> tuple[tuple[str, ...], ...]:
+        """Readings of a table as they are written, run by run."""
+        return self._ordered[0]
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Run of each row, empty where none is named."""
+        return self._ordered[1]
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """``file:row`` of each row."""
+        return self._ordered[2]
+
+    @cached_property
+    def _ordered(self) -> tuple[tuple[tuple[str, ...], ...], tuple[str, ...], tuple[str, ...]]:
+        table = self.table
+        if table is None:
+            return (), (), ()
+        labels = table.text(self.run) if self.run else ("",) * len(table)
+        rows = tuple(zip(*(table.text(one) for one in self.columns), strict=True))
+        places = tuple([f"{self.file}:{row}" for row in table.rows.tolist()])
+        if len({*labels}) > 1:
+            first = {label: number for number, label in reversed(list(enumerate(labels)))}
+            order = sorted(range(len(rows)), key=[first[label] for label in labels].__getitem__)
+            rows, labels, places = (tuple([one[at] for at in order]) for one in (rows, labels, places))  # type: ignore[assignment]
+        return rows, labels, places
 
 
 def content_of_recording(name: str, entry: RecordingEntry, raw: Recording, chosen: Flags | None) -> Content:
@@ -77,16 +119,10 @@ def content_of_table(name: str, entry: RecordingEntry, table: Table) -> Content:
     key, columns = said
     if key.readings is None:
         return Content(name, entry.file)
-    run = key.run(columns) if key.run is not None else None
-    labels = table.text(run) if run else ("",) * len(table)
-    rows = list(zip(*(table.text(one) for one in key.readings(columns)), strict=True))
-    places = [f"{entry.file}:{row}" for row in table.rows.tolist()]
-    if len({*labels}) > 1:
-        first = {label: number for number, label in reversed(list(enumerate(labels)))}
-        order = sorted(range(len(rows)), key=[first[label] for label in labels].__getitem__)
-        rows, labels = [rows[at] for at in order], tuple([labels[at] for at in order])
-        places = [places[at] for at in order]
-    return Content(name, entry.file, None, tuple(rows), labels, tuple(places))
+    run, readings = key.run(columns) if key.run is not None else None, tuple(key.readings(columns))
+    for one in (*((run,) if run else ()), *readings):
+        table.index(one)  # raises where it is not there
+    return Content(name, entry.file, None, table, readings, run or "")
 
 
 def duplicates(contents: Sequence[Content]) -> Iterator[Problem]:
@@ -102,8 +138,9 @@ def duplicates(contents: Sequence[Content]) -> Iterator[Problem]:
 
 def pairs(contents: Sequence[Content]) -> list[tuple[int, int]]:
     """Return the pairs that may hold the same, by number, the lower one first: few, of many recordings."""
-    found = alike([one.samples for one in contents])
-    found.update(combinations([number for number, one in enumerate(contents) if one.rows], 2))
+    samples = [one.samples for one in contents]
+    found = alike(samples) if len(samples) - samples.count(None) > 1 else set()
+    found.update(combinations([number for number, one in enumerate(contents) if one.has_rows], 2))
     return sorted(found, key=lambda pair: (pair[1], pair[0]))
 
 
@@ -119,7 +156,7 @@ def between(one: Content, other: Content) -> Iterator[Problem]:
             some = f"{shared.samples} samples, from {shared.first + 1} and {shared.other + 1} on"
             what = f"{names} hold the same {'samples' if whole else some}"
             yield Problem(what, other.file, WHY, DO, CODE)
-    elif one.rows and other.rows:
+    elif one.has_rows and other.has_rows:
         found = _longest([*one.rows, *other.rows], len(one.rows))
         if found is not None and _is_copy(found, (*one.rows, *other.rows), ()):
             first, second, length = found
@@ -129,7 +166,7 @@ def between(one: Content, other: Content) -> Iterator[Problem]:
 
 
 def _rows_twice(one: Content) -> Iterator[Problem]:
-    found = _longest(one.rows, 0)
+    found = None if one.all_differ else _longest(one.rows, 0)
     if found is None or not _is_copy(found, one.rows, one.labels):
         return
     first, second, length = found

@@ -89,15 +89,17 @@ def passed(
     chain : Chain, optional
         Whose ends of the converter are left out, and remarked on, already.
     """
-    place = replace(raw, source=replace(raw.source, path=entry.file)).place
+    place = raw.changed(source=replace(raw.source, path=entry.file)).place
     left_out: dict[str, Flags] = {}
     remarks: list[Remark] = []
     exclusions: list[Exclusion] = []
     for axis in (axis for axis in AXES if axis in (entry.channels or {})):
         channel = raw.channel((entry.channels or {})[axis].column)
         found = gate.screening(entry.file, channel, at_rest)
+        if not found.findings:
+            continue
         entered = [one for one in _entered(sensor, axis) if one in body.names]
-        there = _there(body, entered, chosen) if found.findings else np.zeros(0, dtype=bool)
+        there = _there(body, entered, chosen)
         kept: list[Finding] = []
         for one in found.findings:
             if one.code == READ or (one.code == "saturated" and _is_known(one, chain)):
@@ -138,12 +140,15 @@ def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Record
         As stored, and in body axes, SI; of one length.
     """
     channels = entry.channels or {}
-    place = replace(raw, source=replace(raw.source, path=entry.file)).place
+    slow = [(role, one.column) for role, one in channels.items() if SLOW.match(role)]
+    if not slow:
+        return Passed(body)
+    place = raw.changed(source=replace(raw.source, path=entry.file)).place
     readings = [raw.channel(one.column).data for axis, one in channels.items() if axis in AXES]
     left_out: dict[str, Flags] = {}
     remarks: dict[str, Remark] = {}
     exclusions: list[Exclusion] = []
-    for role, column in ((role, one.column) for role, one in channels.items() if SLOW.match(role)):
+    for role, column in slow:
         channel = raw.channel(column)
         found = None if column in remarks else stuck_slow(channel.data, readings, raw.time_ns)
         if found is not None:
@@ -222,5 +227,5 @@ def without(body: Recording, left_out: Mapping[str, Flags]) -> Recording:
         if flags is None:
             channels.append(one)
         else:
-            channels.append(replace(one, data=_missing_where(flags, one.data)))
-    return replace(body, channels=tuple(channels))
+            channels.append(one.changed(data=_missing_where(flags, one.data)))
+    return body.changed(channels=tuple(channels))

@@ -48,6 +48,7 @@ def sensible(
     mounting: Sequence[Sequence[float]] | None = None,
     known: dict[Hashable, tuple[Change, ...]] | None = None,
     key: Hashable = None,
+    scaled: bool = False,
 ) -> Passed:
     """Return a recording without values that are impossible, with what there is to say of its sense.
 
@@ -65,13 +66,15 @@ def sensible(
         Of the sensor: its axes from those of the body. Columns change places as the sensor has them.
     known : dict, optional
         Changes that were looked for before, by ``key``.
+    scaled : bool
+        Whether the axes of the body are those that are stored but for one factor: these show nothing more.
 
     Raises
     ------
     DataError
         ``impossible_temperature``, ...: if a channel holds nothing else.
     """
-    place = replace(raw, source=replace(raw.source, path=entry.file)).place
+    place = raw.changed(source=replace(raw.source, path=entry.file)).place
     given = entry.channels or {}
     left_out: dict[str, Flags] = {}
     remarks: list[Remark] = []
@@ -83,16 +86,14 @@ def sensible(
         ends = facts.input_range if one.name in AXES and not facts.oblique else None
         archived = raw.source.reader == ARCHIVE and one.name in AXES
         found = impossible(values, one.unit, f"recording {name}, {one.name}", place, ends, archived, facts.unit)
-        remarks += [
-            replace(remark, axis=one.name if one.name in AXES else "", recording=name) for remark in found.remarks
-        ]
-        if not found.flags.any():
+        axis = one.name if one.name in AXES else ""
+        remarks += [replace(remark, axis=axis, recording=name) for remark in found.remarks]
+        if not found.remarks or not found.flags.any():
             continue
         said = found.remarks[0]
         if not np.any(np.isfinite(values) & ~found.flags):
             raise DataError(said.what, said.where, "nothing else is in the channel", said.do, said.code)
         left_out[one.name] = found.flags
-        axis = one.name if one.name in AXES else ""
         exclusions.append(Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample"))
     columns = {one.column for one in given.values()}
     for one in raw.channels:  # that the test does not read, but that tell of the file
@@ -105,7 +106,7 @@ def sensible(
     if axes and facts.kind is not None:
         known = known if known is not None else {}
         if key not in known:
-            stored = [raw.channel(given[axis].column).data for axis in axes if axis in given]
+            stored = [raw.channel(given[axis].column).data for axis in axes if axis in given and not scaled]
             # What was left out may be in another unit
             bodies = [body, whole] if left_out.keys() & {*axes} else [body]
             found_in = (_changes(one, axes, at_rest, chosen, mounting, stored) for one in bodies)

@@ -45,7 +45,7 @@ from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor
 from .chains import RAW, body_scale_factors, build_chain, output_unit, recorded_chain, scale_factors
-from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
+from .channels import TEMPERATURE, in_body_axes, in_windows, one_factor, windowed
 from .duplicates import Content, content_of_recording, content_of_table
 from .gate import Gate, passed, without_stuck
 from .ground import ChainModel, chain_model
@@ -390,14 +390,15 @@ class Ready:
         required = [] if self.spec.missing else axes
         recording = self.store.recording(self.entry, required)
         if isinstance(self.store, Folder):
-            said = {one.column for one in channels.values()}
+            said = {one.column for one in channels.values()}.difference(recording.names)
             called = {full: name for name in said if (full := full_name(recording.names, name)) not in (None, name)}
             needed = [full for full, name in called.items() if name in required]
             if not all(_whole(recording.channel(one).data) for one in needed):  # Under its full name it is refused
                 recording = self.store.recording(self.entry, [str(full_name(recording.names, one) or one)
                                                               for one in required])  # fmt: skip
-            named = tuple(replace(one, name=called.get(one.name, one.name)) for one in recording.channels)
-            recording = replace(recording, channels=named) if called else recording
+            if called:
+                named = tuple(replace(one, name=called.get(one.name, one.name)) for one in recording.channels)
+                recording = replace(recording, channels=named)
             claim_recording(recording, STREAMED if self.spec.streamed else AS_WIDE if self.spec.as_wide else ANALYSIS)
         return recording
 
@@ -408,7 +409,7 @@ class Ready:
         if self.model is not None and any(remark.code == "not_sensor_axes" for remark in self.raw.remarks):
             what, why = f"recordings.{self.name}: its axes are not those of the sensor", "the ground model is for those"
             raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
-        chain = self.chain if self.chain is not None else chain_of(entry, sensor)
+        chain = self.chain
         kept = spec.ground_model == "bias_kept"
         read = {one.column for one in (entry.channels or {}).values()} & {*self.raw.names}
         for given in (self.raw.channel(channel) for channel in read):
@@ -423,7 +424,8 @@ class Ready:
         key = (self.name, str(self.of_test.windows), still, spec.ground_model)
         found = sensible(self.name, entry, self.facts, self.raw, body,
                          at_rest=still, chosen=chosen, mounting=sensor.mounting,
-                         known=self.gate.changed, key=key)  # fmt: skip
+                         known=self.gate.changed, key=key,
+                         scaled=self.model is None and one_factor(entry, sensor, chain))  # fmt: skip
         body = found.recording
         self.remarks.extend(found.remarks)
         self.exclusions.extend(found.exclusions)
@@ -569,6 +571,8 @@ def in_body_names(recording: Recording, entry: RecordingEntry, sensor: Sensor) -
     DataError
         If the mounting mixes sensors, so that no temperature is that of a body axis.
     """
+    if sensor.mounting is None:
+        return recording  # named by the axis already
     sensed_by = _sensed_by(sensor)
     if sensed_by is None and any(f"{TEMPERATURE}_{axis}" in recording.names for axis in AXES):
         what = "the mounting mixes sensors: no thermometer is that of one body axis"

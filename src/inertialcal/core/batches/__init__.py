@@ -213,6 +213,12 @@ def thinned(x: NDArray[Any], step: int) -> NDArray[Any]:
 def made(n: int, dtype: DTypeLike, part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -> NDArray[Any]:
     """Return an array made batch by batch, shape (n,): ``part`` gives samples first to stop, of the arrays ``read``."""
     out = empty(n, dtype)
+    if 0 < n <= near() and not any(is_stored(one) for one in (out, *read)):  # in one piece, as most are
+        found = part(0, n)
+        if type(found) is np.ndarray and found.base is None and (found.dtype, found.shape) == (out.dtype, out.shape):
+            return found
+        out[...] = found
+        return out
     for first, stop in batches(out, *read, size=near()):
         put(out, first, part(first, stop))
     return out

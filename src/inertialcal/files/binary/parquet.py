@@ -36,6 +36,7 @@ from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, sum_is_finite, text_in_numbers
 from ..text.layout import BLANKS, judge
+from ..text.layout import kind as kind_of_cell
 
 if TYPE_CHECKING:
     from pyarrow import ChunkedArray, Field, Table
@@ -148,6 +149,9 @@ def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> I
             for i, field in enumerate(flat.schema)
             if types.is_floating(field.type) or (types.is_integer(field.type) and not flat.column(i).null_count)
         }
+        for i, field in enumerate(flat.schema):
+            if types.is_dictionary(field.type) and (column := _labels(flat.column(i), field)) is not None:
+                whole[i] = column
     metadata = table.schema.metadata or {}
     for part, path in zip(parts, paths, strict=True):
         try:
@@ -162,6 +166,20 @@ def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> I
             yield error
         else:
             yield _content(columns, metadata, path)
+
+
+def _labels(values: ChunkedArray, field: Field) -> Column | None:
+    """Return a column of words, or of whole numbers, each looked at once; None where one is neither or empty."""
+    from pyarrow import types  # noqa: PLC0415 - heavy import
+
+    if not types.is_string(field.type.value_type) or values.null_count or values.num_chunks != 1:
+        return None
+    coded = values.chunk(0)
+    cells = [(text or "").strip(BLANKS) for text in coded.dictionary.to_pylist()]
+    judged = judge(cells)
+    if judged.values.dtype.kind != "i" and any(kind_of_cell(one) != "t" for one in cells):
+        return None
+    return Column(field.name, judged.values[coded.indices.to_numpy()], _unit_of(field))
 
 
 def _rows_of(column: Column | str, part: range) -> Column | str:
@@ -421,8 +439,7 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     """One column, or its name if it is neither numbers, dates nor text."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
-    kind, metadata = values.type, field.metadata or {}
-    unit = next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
+    kind, unit = values.type, _unit_of(field)
     if pa.types.is_dictionary(kind) and not pa.types.is_string(kind.value_type):
         values, kind = values.cast(kind.value_type), kind.value_type
     if pa.types.is_timestamp(kind):
@@ -445,6 +462,11 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
         return Column(field.name, numbers, unit)
     literal = _literal(numbers, empty)
     return Column(field.name, _missing(numbers, literal), unit, empty=empty, not_a_number=literal)
+
+
+def _unit_of(field: Field) -> str | None:
+    metadata = field.metadata or {}
+    return next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
 
 
 def _literal(numbers: NDArray[Any], empty: Rows) -> Rows:

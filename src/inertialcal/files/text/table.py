@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
+from typing import overload
 
 import numpy as np
 
@@ -32,17 +34,43 @@ from .results_table import is_results, results_columns
 SHOWN = 4  # cells of a column
 
 
-class NumberCells(tuple[str, ...]):
-    """Cells of a column that was stored as numbers, every one there and finite: as text, and as ``values`` (n,)."""
+class NumberCells(Sequence[str]):
+    """Cells of a column that was stored as numbers, every one there and finite: text is made where it is read.
 
-    values: Array
+    Parameters
+    ----------
+    stored : ndarray, shape (n,)
+        The numbers; ``values`` are the same as float64.
+    """
 
-    @classmethod
-    def of(cls, values: Numbers) -> NumberCells:
-        """Return the cells of numbers with all their digits."""
-        found = cls(map(str, values.tolist()))
-        found.values = values.astype(np.float64)
-        return found
+    def __init__(self, stored: Numbers) -> None:
+        self._stored = stored
+        self.values: Array = stored.astype(np.float64)
+
+    @cached_property
+    def _texts(self) -> tuple[str, ...]:
+        """With all their digits."""
+        return tuple(map(str, self._stored.tolist()))
+
+    @property
+    def all_differ(self) -> bool:
+        """Whether no two are equal."""
+        ordered = np.sort(self.values)
+        return bool((ordered[1:] != ordered[:-1]).all())
+
+    def __len__(self) -> int:
+        return len(self._stored)
+
+    @overload
+    def __getitem__(self, at: int) -> str: ...
+    @overload
+    def __getitem__(self, at: slice) -> tuple[str, ...]: ...
+    def __getitem__(self, at: int | slice) -> str | tuple[str, ...]:
+        """Return the text of one cell, or of some."""
+        return self._texts[at]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._texts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +78,7 @@ class Table:
     """Columns of text, to be read as numbers where they are."""
 
     names: tuple[str, ...]  # As the header has them; ``column_3`` where it has none
-    cells: tuple[tuple[str, ...], ...]  # By column, without quotes and outer blanks; an empty one is a missing value
+    cells: tuple[Sequence[str], ...]  # By column, without quotes and outer blanks; an empty one is a missing value
     rows: Rows  # shape (n,): row of the file (counted from 1) of each
     source: Source = field(default_factory=Source)  # File, hash, format
     units: tuple[str | None, ...] = ()  # As the header or a units row say them, as ``core.units`` prints them
@@ -112,7 +140,12 @@ class Table:
         DataError
             If there is none of that name.
         """
-        return self.cells[self.index(name)]
+        return tuple(self.cells[self.index(name)])
+
+    def all_differ(self, name: str) -> bool:
+        """Return whether a column is one of numbers no two of which are equal."""
+        cells = self.cells[self.index(name)]
+        return isinstance(cells, NumberCells) and cells.all_differ
 
     def unit(self, name: str) -> str | None:
         """Return the unit of a column as the file says it; None where it does not."""
@@ -163,7 +196,7 @@ class Table:
         whole = None if said.whole is None else self.cells[at][said.whole]
         raise DataError(problem(self.names[at], self.cells[at][said.either], self.where(said.either), whole))
 
-    def _numbers(self) -> Iterator[tuple[str, ...]]:
+    def _numbers(self) -> Iterator[Sequence[str]]:
         """Cells of each column of numbers."""
         return (cells for cells in self.cells if not any(kind(cell, self.decimal) == "t" for cell in cells))
 
@@ -245,10 +278,13 @@ def topics_of(path: str | Path) -> tuple[str, ...]:
 
 def table_of_content(content: Content, source: Source) -> Table:
     """Return a binary format's columns as text, with full digits."""
-    cells: list[tuple[str, ...]] = []
+    cells: list[Sequence[str]] = []
     for column in content.columns:
         if column.values.dtype.kind in "fiu" and not len(column.empty) and np.isfinite(column.values).all():
-            cells.append(NumberCells.of(column.values))
+            cells.append(NumberCells(column.values))
+            continue
+        if column.values.dtype.kind == "O" and not len(column.empty):
+            cells.append(tuple(column.values.tolist()))
             continue
         gone = set(column.empty.tolist())
         cells.append(tuple("" if i in gone else str(v) for i, v in enumerate(column.values.tolist())))

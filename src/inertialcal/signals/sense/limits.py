@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -138,7 +139,7 @@ def impossible(
 
     ends = (-HEAD_FULL_SCALE, HEAD_FULL_SCALE) if head else (known.low, known.high)
     flags = _outside(values, ends, known.unit, unit)
-    if _any(flags):
+    if flags is not None:
         below = bool(values[_first(flags)] < float(convert(ends[0], known.unit, unit)))
         why = "the range of microgravity heads" if head else known.why_low if below else known.why_high
         why = f"is impossible ({why}: {said(ends[0] if below else ends[1], known.unit)})"
@@ -146,7 +147,7 @@ def impossible(
     if input_range is not None:
         middle, half = 0.5 * (input_range[0] + input_range[1]), 0.5 * (input_range[1] - input_range[0])
         flags = _outside(values, (middle - OVERRANGE * half, middle + OVERRANGE * half), known.unit, unit)
-        if _any(flags):
+        if flags is not None:
             low, high = (said(end, known.unit) for end in input_range)
             return Impossible(
                 flags, (remark("beyond_range", flags, f"is far beyond the stated range, {low} to {high}"),)
@@ -165,13 +166,21 @@ def impossible(
     return none
 
 
-def _outside(values: NDArray[Any], ends: tuple[float, float], given: str, unit: str) -> Flags:
+@lru_cache(maxsize=256)
+def _in_unit(ends: tuple[float, float], given: str, unit: str) -> tuple[float, float]:
     low, high = (float(one) for one in convert(list(ends), given, unit))
+    return low, high
+
+
+def _outside(values: NDArray[Any], ends: tuple[float, float], given: str, unit: str) -> Flags | None:
+    """Return which samples lie outside; None where none does."""
+    low, high = _in_unit(ends, given, unit)
     least, largest = extremes(values)
     if not (least < low or largest > high):  # also where nothing is there
-        return zeros(len(values), bool)
+        return None
     with np.errstate(invalid="ignore"):
-        return changed(values, lambda part: (part < low) | (part > high), bool)
+        flags = changed(values, lambda part: (part < low) | (part > high), bool)
+    return flags if _any(flags) else None
 
 
 def _any(flags: Flags) -> bool:
