@@ -96,12 +96,14 @@ def changes(
     if n < FEWEST:
         return ()
     columns = np.array([averaged(one, size) for one in channels])
-    rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
-    if len(rows) < FEWEST:
-        return ()
-    whole = len(rows) == columns.shape[1]
+    rows, cut = np.arange(columns.shape[1]), np.zeros(columns.shape[1], dtype=bool)
+    whole = bool(np.isfinite(columns.sum()))  # then all are: what is not finite stays so in a sum
+    if not whole:
+        rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
+        if len(rows) < FEWEST:
+            return ()
+        cut = np.diff(rows, prepend=rows[0]) > 3
     x = (columns if whole else columns[:, rows]).T  # each channel in one piece
-    cut = np.diff(rows, prepend=rows[0]) > 3
     if breaks is not None and len(breaks):
         cut |= np.diff(np.searchsorted(breaks, rows * size, side="right"), prepend=0) > 0
     given = None if applied is None else averaged(applied, size)[rows]
@@ -220,23 +222,23 @@ def _by_noise(x: Array, noise: Noise, names: Sequence[str], factors: Factors) ->
     logs = noise.log[:, columns]
     if len(logs) < 8 or not len(columns):
         return []
-    order, ranks = np.argsort(np.where(np.isfinite(logs), logs, -np.inf), axis=0), np.empty(logs.shape)
-    np.put_along_axis(ranks, order, np.arange(float(len(logs)))[:, None], axis=0)
-    walk = np.cumsum(ranks - 0.5 * (len(logs) - 1), axis=0).sum(axis=1)
+    order = np.argsort(np.where(np.isfinite(logs), logs, -np.inf), axis=0)
+    ranks = np.argsort(order, axis=0)
+    walk = (2 * np.cumsum(ranks, axis=0) - (len(logs) - 1) * np.arange(1, len(logs) + 1)[:, None]).sum(axis=1)
     at = int(np.argmax(np.abs(walk[3:-4]))) + 4
     only = Noise(noise.size, logs, noise.informative[columns])
-    ratio, u = only.ratios(at)
+    ratio = only.ratio(at)
     middle = float(np.median(ratio))
-    low = middle - NOISE_AGREES - 4.0 * u
 
-    def too_much() -> bool:  # rounding to steps adds its own noise to what is quieter
-        with np.errstate(divide="ignore"):
+    def unlike() -> bool:
+        allowed = NOISE_AGREES + 4.0 * only.u_ratio(at)
+        with np.errstate(divide="ignore"):  # rounding to steps adds its own noise to what is quieter
             rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
-        return bool(np.any(ratio > rounded + NOISE_AGREES + 4.0 * u))
+        return bool(np.any(ratio < middle - allowed) or np.any(ratio > rounded + allowed))
 
-    if not np.isfinite(ratio).all() or abs(middle) < LEAST_NOISE or np.any(ratio < low) or too_much():
+    if not np.isfinite(ratio).all() or abs(middle) < LEAST_NOISE or unlike():
         return []
-    unit = unit_of(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(u.min()))
+    unit = unit_of(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(only.u_ratio(at).min()))
     index = refined(x[:, columns], at, noise.size, only)
     near = [one for one in candidates(x) if abs(one - at * noise.size) <= 2 * noise.size]
     index = near[0] if near else index  # where a level jumps, it tells the sample

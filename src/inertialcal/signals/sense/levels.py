@@ -168,7 +168,7 @@ def _scaled(jump: Jump, noise: Noise, names: Sequence[str], factors: Factors) ->
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.log(after.scatter / before.scatter)
     at = min(max(jump.at // noise.size, 1), len(noise.log) - 1)
-    overall, _ = noise.ratios(at)
+    overall = noise.ratio(at)
     off = np.minimum(np.abs(ratio - np.log(f)), np.abs(overall - np.log(f)))
     loud = np.isfinite(off) & (off > SAME_NOISE)
     if not np.all(agrees) or not tells.any() or loud.any():

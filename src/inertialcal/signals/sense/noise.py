@@ -47,22 +47,25 @@ class Noise:
         ratio: Array = step / np.sqrt(6.0) / np.exp(middle_of(self.log[:at]))
         return ratio
 
-    def ratios(self, at: int) -> tuple[Array, Array]:
-        """Return the logarithm of the noise after over before block ``at``, and its standard uncertainty.
+    def ratio(self, at: int) -> Array:
+        """Return the logarithm of the noise after over before block ``at``.
 
         NaN where a channel has no noise before or after.
         """
+        return middle_of(self.log[at:]) - middle_of(self.log[:at])
+
+    def u_ratio(self, at: int) -> Array:
+        """Return the standard uncertainty of that logarithm."""
         parts = [self.log[:at], self.log[at:]]
-        middle = [middle_of(part) for part in parts]
-        var = [
-            (1.4826 * 1.2533 * np.median(np.abs(part - m), axis=0)) ** 2 / len(part)
-            for part, m in zip(parts, middle, strict=True)
-        ]
-        return middle[1] - middle[0], np.sqrt(var[0] + var[1])
+        scatter = [np.median(np.abs(part - middle_of(part)), axis=0) for part in parts]
+        before, after = ((1.4826 * 1.2533 * one) ** 2 / len(part) for one, part in zip(scatter, parts, strict=True))
+        return np.asarray(np.sqrt(before + after))
 
 
 def middle_of(logs: Array) -> Array:
     """Return the median of each channel's finite logarithms; NaN where there are none."""
+    if len(logs) and np.isfinite(logs.sum()):
+        return medians(logs.T)
     finite = [column[np.isfinite(column)] for column in logs.T]
     return np.array([medians(column[None])[0] if len(column) else np.nan for column in finite])
 

@@ -39,7 +39,7 @@ def by_response(x: Array, applied: Array, noise: Noise, names: Sequence[str], fa
     unit = unit_of(own, factors, 0.1)
     if unit is not None:
         return [Change("unit_changed", index, tuple(names), unit[0], unit[1])]
-    ratio, _ = noise.ratios(min(max(index // noise.size, 1), len(noise.log) - 1))
+    ratio = noise.ratio(min(max(index // noise.size, 1), len(noise.log) - 1))
     if own > 0.0 and abs(np.log(own)) > np.log(SAME_RESPONSE) and abs(ratio[axis] - np.log(own)) < SAME_NOISE:
         return [Change("scale_changed", index, tuple(names), own)]
     return []
