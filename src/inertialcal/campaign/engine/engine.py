@@ -711,9 +711,8 @@ def _compensated(campaign: Campaign, prepared: Prepared) -> Iterator[Remark]:
 def _inside(campaign: Campaign, remark: Remark) -> Remark:
     """Name files as the campaign does: results must not depend on where the folder lies."""
     prefix = f"{campaign.folder}/"
-    if prefix not in remark.where and prefix not in remark.what:
-        return remark
-    return replace(remark, where=remark.where.replace(prefix, ""), what=remark.what.replace(prefix, ""))
+    where, what = remark.where.replace(prefix, ""), remark.what.replace(prefix, "")
+    return remark if (where, what) == (remark.where, remark.what) else replace(remark, where=where, what=what)
 
 
 def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
