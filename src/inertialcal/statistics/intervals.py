@@ -99,6 +99,18 @@ def t_interval(value: float, u: float, dof: float, p: float = 0.95) -> Interval:
     return Interval(value - half, value + half, p)
 
 
+def t_intervals(values: Array, u: Array, dof: Array, p: float = 0.95) -> list[Interval]:
+    """Return `t_interval` of each of several values, shapes (k,), and raise as that does."""
+    if not (np.isfinite(values).all() and np.isfinite(u).all() and (u >= 0.0).all() and (dof > 0.0).all()):
+        return [t_interval(*one, p) for one in zip(values.tolist(), u.tolist(), dof.tolist(), strict=True)]
+    _check_probability(p)
+    below = 0.5 * (1.0 + p)
+    known = np.isinf(dof)
+    factor = np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below))
+    half = factor * u
+    return [Interval(*ends, p) for ends in zip((values - half).tolist(), (values + half).tolist(), strict=True)]
+
+
 def upper_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
     """Return the bound that the true value stays below with probability ``p`` (one-sided).
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +11,7 @@ import numpy as np
 from ...core.estimate import Estimate
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...statistics.intervals import chi_square_interval, t_interval
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals
 from ...statistics.least_squares import times
 from .fit.linearity import linearity_row
 from .fit.quantities import CURVATURES, UNITS, is_silent
@@ -29,8 +31,10 @@ LEVELS = ("sample", "dwell", "run")
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
     found: list[Row] = []
+    figures = _rows_of(result, result.estimate, Method.RESULT)
+    every = _rows_of(result, result.all_readings, Method.ALL_READINGS)
     for sensor in list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs])):
-        found += _of_sensor(result, sensor, result.estimate, Method.RESULT)
+        found += _of_sensor(result, sensor, result.estimate, figures, Method.RESULT)
         if sensor in result.lines:
             straight = result.straight[sensor]
             if is_silent(straight):
@@ -39,24 +43,27 @@ def rows(result: Result) -> list[Row]:
                 own = straight if sensor in straight.axes else None
                 found.append(linearity_row(own, sensor, result.full[sensor]))
             found += _scatter_rows(result, sensor)
-            found += _all_readings_rows(result, sensor)
+            if result.all_readings is not None:
+                found += _of_sensor(result, sensor, result.all_readings, every, Method.ALL_READINGS)
             if np.any(result.readings.axis == sensor):
                 found += published_rows(result.plan, result.readings, sensor)
     return found
 
 
-def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> list[Row]:
-    """Rows of the quantities that a rate table gives for one sensor, estimated or not."""
+def _of_sensor(
+    result: Result, sensor: str, estimate: Estimate | None, own: Mapping[Key, Row], method: Method
+) -> list[Row]:
+    """Rows of the quantities that a rate table gives for one sensor, estimated, as ``own`` has them, or not."""
     found = []
     for key, unit in _wanted(result, sensor):
         if key.quantity == "bias" and result.plan.zero_reference:
             found.append(not_estimated(key, unit, REFERENCED, method))
-        elif key.quantity == RESIDUAL and estimate is not None and Key("bias", key.axis) in estimate.keys:
-            found.append(_row(result, estimate, Key("bias", key.axis), method).changed(key=key))
+        elif key.quantity == RESIDUAL and (bias := Key("bias", key.axis)) in own:
+            found.append(own[bias].changed(key=key))
         elif key.quantity == "scale_factor":
             found.append(_scale_factor_row(result, sensor, estimate, method))
-        elif estimate is not None and key in estimate.keys:
-            found.append(_row(result, estimate, key, method))
+        elif key in own:
+            found.append(own[key])
         else:
             found.append(not_estimated(key, unit, _why_not(result, sensor, key.quantity, key.axis[1:]), method))
     return found
@@ -81,12 +88,19 @@ def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
     return wanted
 
 
-def _row(result: Result, estimate: Estimate, key: Key, method: Method) -> Row:
-    i = estimate.index(key)
-    value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
-    unit = estimate.units[i]
-    interval = t_interval(value, u, dof)
-    return Row(key, value, u, unit, _dof(dof), interval, reason=result.limits, method=method)
+def _rows_of(result: Result, estimate: Estimate | None, method: Method) -> dict[Key, Row]:
+    """Return the rows of the values of an estimate."""
+    if estimate is None:
+        return {}
+    intervals, limits = t_intervals(estimate.values, estimate.u, estimate.dof), result.limits
+    dof = [_dof(one) for one in estimate.dof.tolist()]
+    columns = zip(
+        estimate.keys, estimate.values.tolist(), estimate.u.tolist(), estimate.units, dof, intervals, strict=True
+    )
+    return {
+        key: Row.of_own(key, value, u, unit, free, ends, limits, method)
+        for key, value, u, unit, free, ends in columns
+    }  # fmt: skip
 
 
 def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> Row:
@@ -173,14 +187,8 @@ def _scatter_row(sensor: str, name: str, level: Level) -> Row:
     return Row(key, level.std, float(u), "rad/s", level.dof, interval)
 
 
-def _all_readings_rows(result: Result, sensor: str) -> list[Row]:
-    if result.all_readings is None:
-        return []
-    return _of_sensor(result, sensor, result.all_readings, Method.ALL_READINGS)
-
-
 def _dof(dof: float) -> float | None:
-    return float(dof) if np.isfinite(dof) else None
+    return float(dof) if math.isfinite(dof) else None
 
 
 __all__ = ["LEVELS", "Interval", "rows"]
@@ -205,7 +213,8 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
     line, dof = readings.turned.straight(own), len(x) - 2.0
     found = line.coefficients(y)
-    us = np.sqrt(np.sum((y - times(line.design, found)) ** 2) / dof * np.sum(line.transform**2, axis=1))
+    left = y - times(line.design, found)
+    us = np.sqrt((left**2).sum() / dof * (line.transform**2).sum(axis=1))
     told = f"unweighted line through all {len(y)} dwells; the uncertainty assumes they are independent"
     return [
         Row(

@@ -156,6 +156,7 @@ class Turned:
         self._highest: dict[bytes, Highest | None] = {}
         self._at_rates: dict[bytes, list[NDArray[np.intp]]] = {}
         self._sets_alike: dict[float, list[tuple[NDArray[np.intp], LikeRows]]] = {}
+        self._beside_basis: dict[str, tuple[Array, Array]] = {}
         self._spread: Array | None = None
         self._straight: dict[bytes, Decomposed] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
@@ -301,6 +302,18 @@ class Turned:
             at = own & (self.applied == rates[:, None])
             found[axis] = rates, at / np.sum(at, axis=1, keepdims=True)
         return found
+
+    def beside_basis(self, axis: str, basis: Array) -> Array:
+        """Return the variance of the mean at each rate about an axis beside offsets of recordings and a basis, (r,).
+
+        Over that of a dwell; the basis, shape (n, q), is orthonormal, and has no offset of a recording.
+        """
+        known = self._beside_basis.get(axis)
+        if known is None or known[0] is not basis:
+            beside = about_means(self.rates[axis][1], self.numbers)
+            left = np.maximum(np.sum(beside**2, axis=1) - np.sum((beside @ basis) ** 2, axis=1), 0.0)
+            known = self._beside_basis[axis] = basis, left
+        return known[1]
 
     @cached_property
     def shared_rates(self) -> Mapping[str, bool]:

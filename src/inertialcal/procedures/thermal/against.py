@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +42,7 @@ from ...statistics.least_squares import fit
 from .fit.law import Law
 from .fit.quantities import ORDER, SOURCES, at_degrees, earth_along, power_unit
 from .fit.sensor import OfSensor
-from .rows import ONE_RUN, SAME, estimate_row
+from .rows import ONE_RUN, SAME, estimate_rows
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -107,9 +106,10 @@ def _of_axis(
     places = np.array(list(inside.values()))
     estimate, known = _difference(result, other, axis, places, np.eye(len(places)), keys, occasions)
     limits = Reason("limits", f"this test less {name}{_unsaid(result, other, occasions)}")
+    rows = estimate_rows(estimate)
     for own, is_known in zip(keys, known, strict=True):
         if is_known and estimate is not None:
-            yield replace(estimate_row(estimate, own, limits), shared=estimate.shared(own))
+            yield rows[own].changed(reason=limits, shared=estimate.shared(own))
         else:
             yield not_estimated(own, unit, ONE_RUN)
     yield from _step(result, other, axis, quantity, limits, occasions)
@@ -149,8 +149,9 @@ def _step(
     shown = result.plan.unit or unit
     size = bend * (factor(unit, shown) if shown != unit else 1.0)
     told = f"{limits.text}; line over {low:.4g} to {high:.4g} degC, the laws leave it by up to {size:.2g} {shown}"
+    rows = estimate_rows(estimate)
     for key in keys:
-        yield replace(estimate_row(estimate, key, Reason("limits", told)), shared=estimate.shared(key))
+        yield rows[key].changed(reason=Reason("limits", told), shared=estimate.shared(key))
     yield _relative(estimate, keys, relative)
 
 

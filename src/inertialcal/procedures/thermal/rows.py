@@ -6,24 +6,23 @@ the test has one path only; ``"textbook"`` for the textbook formula.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from ...core.batches import batches, near
 from ...core.batches.summaries import Moments
 from ...core.estimate import Array, Estimate
-from ...core.key import AXES, Key, Member, Method, Reason
+from ...core.key import AXES, NO_REASON, Key, Member, Method, Reason
 from ...core.results import Row, not_estimated
 from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
-from ...statistics.intervals import chi_square_interval, t_interval
-from ...statistics.least_squares import Decomposed, decompose, fit
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals
+from ...statistics.least_squares import decompose, fit, times
 from ...statistics.polynomial import Polynomial
 from .fit.cells import Series
 from .fit.paths import PathEffect
@@ -49,12 +48,15 @@ RAMPS = "from one run: excludes scatter between power-ups"
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
     found: list[Row] = []
+    own, on_path = estimate_rows(result.estimate), estimate_rows(result.on_path)
     for axis in _axes(result):
         if axis not in result.sensors:
             found.append(not_estimated(Key("bias", axis), result.readings.unit, result.reasons[axis]))
             continue
         one = result.sensors[axis]
-        found += _polynomial_rows(result, axis, one)
+        found += _polynomial_rows(result, axis, one, own)
+        if not one.law.midway:
+            found += _one_path_rows(result, axis, one, on_path)
         found += _range_rows(axis, one)
         found += _path_rows(result, axis, one)
         found += _scatter_rows(result, axis, one)
@@ -69,23 +71,27 @@ def _axes(result: Result) -> list[str]:
     return [axis for axis in AXES if axis in result.sensors or axis in result.reasons]
 
 
-def estimate_row(estimate: Estimate, key: Key, reason: Reason) -> Row:
-    """Return the row of a value of an estimate."""
-    i = estimate.index(key)
-    value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
-    free = float(dof) if np.isfinite(dof) else None
-    return Row(key, value, u, estimate.units[i], free, t_interval(value, u, dof), reason=reason)
+def estimate_rows(estimate: Estimate | None) -> dict[Key, Row]:
+    """Return the rows of the values of an estimate, without a reason."""
+    if estimate is None:
+        return {}
+    intervals = t_intervals(estimate.values, estimate.u, estimate.dof)
+    dof = [one if math.isfinite(one) else None for one in estimate.dof.tolist()]
+    columns = zip(
+        estimate.keys, estimate.values.tolist(), estimate.u.tolist(), estimate.units, dof, intervals, strict=True
+    )
+    return {key: Row.of_own(key, value, u, unit, free, ends, NO_REASON) for key, value, u, unit, free, ends in columns}
 
 
-def _polynomial_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
+def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key, Row]) -> Iterator[Row]:
     missing = [name for name in needed(result.plan) if name not in result.plan.standards]
-    words = [_level_limits(one)] if one.law.level != "run" else []
+    words = [limits] if (limits := _level_limits(one)) else []
     words += ["relative to the unit's own thermometer and converter"] if missing else []
-    limits = Reason("limits", "; ".join(words))
+    reason = Reason("limits", "; ".join(words))
     for asked in result.asked[axis]:
         for key, unit in zip(asked.keys, asked.units, strict=True):
-            if result.estimate is not None and key in result.estimate.keys:
-                yield estimate_row(result.estimate, key, limits)
+            if key in own:
+                yield own[key].changed(reason=reason)
             else:
                 yield not_estimated(key, unit, _why_not(result, one))
     low, high = one.law.domain
@@ -93,20 +99,14 @@ def _polynomial_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
         if not low <= temperature <= high:
             reason = Reason("outside", f"outside the range of the ramps, {low:.4g} to {high:.4g} degC")
             yield not_estimated(Key("bias", axis, at=at_degrees(temperature)), result.readings.unit, reason)
-    if not one.law.midway:
-        yield from _one_path_rows(result, axis, one)
 
 
-def _one_path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
+def _one_path_rows(result: Result, axis: str, one: OfSensor, on_path: Mapping[Key, Row]) -> Iterator[Row]:
     """Rows of what holds on the path that was seen."""
-    way = {1: "warming", -1: "cooling"}[one.cells.ways[0]]
-    for asked in result.asked[axis]:
-        if result.on_path is None or not asked.by_temperature:
-            continue
-        for key in asked.keys:
-            if key in result.on_path.keys:
-                row = estimate_row(result.on_path, key, Reason("limits", _level_limits(one)))
-                yield replace(row, member=Member("path", way))
+    way = Member("path", {1: "warming", -1: "cooling"}[one.cells.ways[0]])
+    reason = Reason("limits", _level_limits(one))
+    keys = [key for asked in result.asked[axis] if asked.by_temperature for key in asked.keys]
+    return (on_path[key].changed(reason=reason, member=way) for key in keys if key in on_path)
 
 
 def _level_limits(one: OfSensor) -> str:
@@ -139,7 +139,7 @@ def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     unit, paths = result.readings.unit, one.paths
     both = one.cells.both
     over = "" if both is None else f"warming minus cooling, mean from {both[0]:.4g} to {both[1]:.4g} degC"
-    extra = "" if one.law.level == "run" else f"; {_level_limits(one)}"
+    extra = f"; {limits}" if (limits := _level_limits(one)) else ""
     yield effect_row(Key("path_difference", axis), unit, paths.difference, Reason("limits", over + extra))
     told = Reason(paths.word, f"{paths.word}: {paths.why}")
     yield effect_row(Key("hysteresis", axis), unit, paths.hysteresis, told, f"{paths.word}: ")
@@ -158,8 +158,9 @@ def effect_row(key: Key, unit: str, effect: PathEffect, told: Reason, word: str 
 
 def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     unit, cells = result.readings.unit, one.cells
-    dof = float(np.sum(np.maximum(cells.samples - 2.0, 0.0)))
-    std = float(np.sqrt(np.sum(np.maximum(cells.samples - 2.0, 0.0) * cells.scatter**2) / max(dof, 1.0)))
+    free = np.maximum(cells.samples - 2.0, 0.0)
+    dof = float(free.sum())
+    std = math.sqrt((free * cells.scatter**2).sum() / max(dof, 1.0))
     yield _scatter_row("scatter_sample", axis, unit, std, dof, Reason("few_samples", "no cell has three samples"))
     name = "scatter_recording" if result.plan.run_level == "recording" else "scatter_run"
     offsets = one.run_offsets
@@ -216,9 +217,10 @@ def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
 
 def _reference_rows(result: Result, axis: str) -> Iterator[Row]:
     for name, estimate in result.references.items():
+        own = estimate_rows(estimate)
         for key in (Key(name, axis), Key(f"{name}_temperature", axis, power=1)):
-            if key in estimate.keys:
-                yield estimate_row(estimate, key, Reason())
+            if key in own:
+                yield own[key]
 
 
 ORDER = 3
@@ -240,10 +242,9 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     """Return the unweighted cubic through all samples after the start-up; None where there are too few."""
     axis = series.axis
     if series.complete:
-        textbook = series.once(("textbook", cut), lambda: _textbook(series, cut))
-        if textbook is not None:
-            held, outputs = textbook.held(series.reading)
-            return _published(plan, axis, held, outputs, textbook.domain, textbook.design)
+        found = series.once(("textbook", cut), lambda: _textbook(series, cut))
+        if found is not None:
+            return _published(plan, axis, found[list(series.together).index(axis)])
 
     def parts() -> Iterator[tuple[Array, Array]]:
         for first, stop in batches(series.temperature, series.reading, series.time, size=near()):
@@ -264,57 +265,55 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
         one = np.column_stack([_rows(T, domain), y])
         few = not len(held) and len(one) <= FEW
         held = one if few else np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r"))
-    return _published(plan, axis, held, outputs, domain)
+    fitted = fit(held[:, :-1], held[:, -1])
+    rss = float(fitted.residuals @ fitted.residuals)
+    whole = None if fitted.covariance is None else fitted.covariance * fitted.dof
+    return _published(plan, axis, _Cubic(fitted.coefficients, whole, rss, outputs.squares, outputs.count, domain))
 
 
 @dataclass(frozen=True, eq=False)
-class _Textbook:
-    """What the cubics of sensors that share a thermometer have in common."""
+class _Cubic:
+    """The cubic of one sensor."""
 
-    used: NDArray[np.bool_]  # shape (n,)
+    coefficients: Array  # shape (ORDER + 1,): a Chebyshev series
+    covariance: Array | None  # shape (ORDER + 1, ORDER + 1): of one degree of freedom
+    rss: float  # Residual sum of squares
+    total: float  # Sum of the squares of the readings about their mean
+    count: int  # Samples
     domain: tuple[float, float]  # Of the temperature [degC]
-    basis: Array  # shape (k, ORDER + 1): orthonormal columns
-    rest: Array  # shape (ORDER + 1, ORDER + 1): what the columns of the cubic are of these
-
-    @cached_property
-    def design(self) -> Decomposed:
-        """What an orthogonal transformation leaves of the cubic."""
-        return decompose(np.vstack([self.rest, np.zeros(ORDER + 1)]), [f"column {i}" for i in range(ORDER + 1)])
-
-    def held(self, reading: Array) -> tuple[Array, Moments]:
-        """Return what an orthogonal transformation leaves of cubic and reading, and the moments of the reading."""
-        y = reading[self.used]
-        along = self.basis.T @ y
-        left = y - self.basis @ along
-        last = np.append(np.zeros(len(along)), np.sqrt(left @ left))
-        return np.vstack([np.column_stack([self.rest, along]), last]), Moments().with_more(y)
 
 
-def _textbook(series: Series, cut: float) -> _Textbook | None:
-    """Return what is the same for all sensors of a thermometer; None of few samples, which are fitted as they are."""
+def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
+    """Return the cubics of all sensors that share a thermometer; None of few samples, which are fitted as they are."""
     T = series.temperature
     used = np.isfinite(T) & ~(np.nan_to_num(series.time, nan=np.inf) < cut)
-    T = T[used]
+    y: Array = np.array([*series.together.values()])
+    if not used.all():
+        T, y = T[used], y[:, used]
     if len(T) <= FEW or (len(np.unique(T[:FEW])) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
         return None
     domain = float(T.min()), float(T.max())
-    return _Textbook(used, domain, *np.linalg.qr(_rows(T, domain)))
+    basis, rest = np.linalg.qr(_rows(T, domain))
+    along = y @ basis
+    left = y - along @ basis.T
+    # What an orthogonal transformation leaves of cubic and readings: the same cubic and sum
+    design = decompose(np.vstack([rest, np.zeros(ORDER + 1)]), [f"column {i}" for i in range(ORDER + 1)])
+    held = np.column_stack([along, np.sqrt((left**2).sum(axis=1))])
+    coefficients = design.coefficients(held)
+    squares = ((held - times(design.design, coefficients)) ** 2).sum(axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
+        total = ((y - y.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
+    covariance = squares[:, None, None] * (design.transform @ design.transform.T)
+    columns = (coefficients, covariance, squares.tolist(), total.tolist())
+    return [_Cubic(*one, len(T), domain) for one in zip(*columns, strict=True)]
 
 
-def _published(
-    plan: Plan,
-    axis: str,
-    held: Array,
-    outputs: Moments,
-    domain: tuple[float, float],
-    design: Decomposed | None = None,
-) -> Published:
-    """Return the cubic by what an orthogonal transformation leaves of it and the readings of a sensor."""
-    found, n = fit(held[:, :-1], held[:, -1], decomposed=design), outputs.count
-    rss, total, dof = float(found.residuals @ found.residuals), outputs.squares, n - ORDER - 1
-    adjusted = 1.0 - (rss / dof) / (total / (n - 1)) if total > 0.0 else np.nan
-    covariance = None if found.covariance is None else found.covariance * (found.dof / dof)
-    polynomial = Polynomial(found.coefficients, covariance, float(dof), domain)
+def _published(plan: Plan, axis: str, cubic: _Cubic) -> Published:
+    """Return the cubic of a sensor as the thesis prints it."""
+    n, rss, dof = cubic.count, cubic.rss, cubic.count - ORDER - 1
+    adjusted = 1.0 - (rss / dof) / (cubic.total / (n - 1)) if cubic.total > 0.0 else np.nan
+    covariance = None if cubic.covariance is None else cubic.covariance / dof
+    polynomial = Polynomial(cubic.coefficients, covariance, float(dof), cubic.domain)
     channel, volts = (plan.thermometers or {}).get(axis), (plan.scale_factor or {}).get(axis)
     if channel is None or volts is None:
         return Published(polynomial, rss, adjusted, n, False)
@@ -345,14 +344,13 @@ def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Ro
     told = f"unweighted cubic through all {found.samples} samples; the uncertainty assumes they are independent"
     reason = Reason("limits", told)
     dof = found.polynomial.dof
+    us = None if covariance is None else np.sqrt(covariance.diagonal())
+    intervals = None if us is None else t_intervals(values, us, np.full(len(us), dof))
     rows = []
-    for j, value in enumerate(values):
+    for j, value in enumerate(values.tolist()):
         key = Key("bias", axis) if j == 0 and not found.volts else Key(stem, axis, power=j)
-        u = None if covariance is None else float(np.sqrt(covariance[j, j]))
-        interval = None if u is None else t_interval(float(value), u, dof)
-        rows.append(
-            Row(key, float(value), u, power_unit(own, by, j), dof, interval, reason=reason, method=Method.TEXTBOOK)
-        )
+        u, interval = (None, None) if us is None or intervals is None else (float(us[j]), intervals[j])
+        rows.append(Row(key, value, u, power_unit(own, by, j), dof, interval, reason=reason, method=Method.TEXTBOOK))
     square = normalise(f"({own})^2")
     for name, value, its in (
         ("residual_sum_of_squares", found.residual_sum_of_squares, square),

@@ -17,7 +17,6 @@ from ....core.key import Key, Reason
 from ....core.results import Interval, Row, not_estimated
 from ....statistics.intervals import band_factor, coverage_factor
 from ....statistics.least_squares import times
-from ..turned import about_means
 from .regression import Line, dwell_variance
 
 FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
@@ -52,8 +51,7 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     dwell, between, dof = variance
     means = times(mean, fit.local if alike else fit.residuals)
     if alike:
-        beside = about_means(mean, fit.groups)
-        square = dwell * np.maximum(np.sum(beside**2, axis=1) - np.sum((beside @ fit.basis) ** 2, axis=1), 0.0)
+        square = dwell * turned.beside_basis(straight.sensor, fit.basis)
     else:
         beside = mean - (mean @ fit.design) @ fit.solve
         in_groups = np.array([np.sum(np.bincount(fit.groups, one) ** 2) for one in beside])
@@ -100,8 +98,8 @@ def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | N
     if found is None:
         return None
     rates, means, sigmas, dof = found
-    worst = int(np.argmax(np.abs(means)))
-    full_scale = float(np.max(np.abs(rates)))
+    worst = int(np.abs(means).argmax())
+    full_scale = float(np.abs(rates).max())
     return Deviation(float(rates[worst]), abs(float(means[worst])), float(sigmas[worst]), dof, len(rates), full_scale)
 
 
