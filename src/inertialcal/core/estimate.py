@@ -16,9 +16,10 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -196,6 +197,14 @@ class Component:
         return np.sqrt(np.diag(self.covariance))
 
 
+@lru_cache(maxsize=256)  # the same of all units that are tested alike
+def _named(given: tuple[Key | str, ...]) -> tuple[tuple[Key, ...], tuple[str, ...], Mapping[Key | str, int]]:
+    """Return what values are of, the same as text, and the position of each by both."""
+    names = tuple(str(one) for one in given)
+    places = {name: at for each in (names, given) for at, name in enumerate(each)}
+    return tuple(one if isinstance(one, Key) else Key(one) for one in given), names, MappingProxyType(places)
+
+
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """Named values with covariance, degrees of freedom and units.
@@ -265,12 +274,12 @@ class Estimate:
     @cached_property
     def keys(self) -> tuple[Key, ...]:
         """What each value is of."""
-        return tuple(one if isinstance(one, Key) else Key(one) for one in self.given)
+        return _named(self.given)[0]
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Keys as text, to be shown and printed."""
-        return tuple(str(one) for one in self.given)
+        return _named(self.given)[1]
 
     @cached_property
     def covariance(self) -> Array:
@@ -360,9 +369,9 @@ class Estimate:
             raise DataError(f"no value {str(name)!r}", do=f"There are: {', '.join(self.names)}") from None
 
     @cached_property
-    def _places(self) -> dict[Key | str, int]:
+    def _places(self) -> Mapping[Key | str, int]:
         """Position of each value by its name and by its key."""
-        return {name: at for names in (self.names, self.given) for at, name in enumerate(names)}
+        return _named(self.given)[2]
 
     def value(self, name: Key | str) -> float:
         """One value, in its unit."""

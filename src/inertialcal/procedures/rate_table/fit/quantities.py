@@ -198,30 +198,27 @@ def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Compone
 
 
 def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
-    proportional = np.array([_proportional(key.quantity, value) for key, value in zip(keys, values, strict=True)])
+    ideal, with_rate, bias = _kinds(keys)
+    proportional = ideal + with_rate * values  # change for a relative change of every rate
     found = []
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
-        covariance = rate.u**2 * np.outer(proportional, proportional)
         # The true input is larger by e: what is proportional to 1 / input is smaller, and errors of rate are too.
-        changes = -rate.u * proportional[None]
+        changes, whole = -rate.u * proportional, rate.u**2 * (proportional[:, None] * proportional)
         found.append(
-            Component(rate.origin("table rate"), "B", covariance, rate.dof, rate.distribution, rate.stated, changes)
+            Component(rate.origin("table rate"), "B", whole, rate.dof, rate.distribution, rate.stated, changes[None])
         )
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
-        angles = _mounting(parts, lines, mounting.u)
-        changes = np.array(list(angles.values()))
-        covariance = changes.T @ changes
+        names, by_angle = _mounting(parts, lines, mounting.u)
+        covariance = by_angle.T @ by_angle
         shape, origin = mounting.distribution, mounting.origin("mounting on the table")
         covariance = 0.5 * (covariance + covariance.T)
-        found.append(Component(origin, "B", covariance, mounting.dof, shape, mounting.stated, changes, tuple(angles)))
+        found.append(Component(origin, "B", covariance, mounting.dof, shape, mounting.stated, by_angle, names))
     reference = plan.standards.get("converter.reference")
     if reference is not None:
-        gain = proportional + np.array(
-            [value if key.quantity == "bias" else 0.0 for key, value in zip(keys, values, strict=True)]
-        )
-        covariance = reference.u**2 * np.outer(gain, gain)
+        gain = proportional + bias * values
+        covariance = reference.u**2 * (gain[:, None] * gain)
         shape = reference.distribution
         found.append(
             Component(
@@ -237,29 +234,41 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
     return found
 
 
-def _mounting(parts: list[Part], lines: list[Line], u: float) -> dict[str, Array]:
-    """Return the changes of all quantities by the angles between axes turned and named: ``"xz"``, x towards z.
+@lru_cache(maxsize=64)  # the same of all units that are turned alike
+def _kinds(keys: tuple[Key, ...]) -> tuple[Array, Array, Array]:
+    """Return which quantities have an ideal 1 in proportion to 1 / rate, are in that proportion, are a bias; 0 or 1."""
+    names = [key.quantity for key in keys]
+    wanted = (("scale_factor_error",), ("scale_factor_error", "cross_axis_sensitivity"), ("bias",))
+    ideal, with_rate, bias = (np.array([float(one in some) for one in names]) for some in wanted)
+    return ideal, with_rate, bias
+
+
+def _mounting(parts: list[Part], lines: list[Line], u: float) -> tuple[tuple[str, ...], Array]:
+    """Return the angles between axes turned and named, ``"xz"``: x towards z, and the changes of quantities by each.
 
     With axis a turned, an angle towards j adds ``M_sj`` times the angle to what every sensor s reads of a; the
     angles are others for each axis turned. Second order, all entries of a shrink together: ``"xx"``.
     """
-    patterns, count = {}, [len(part[0]) for part in parts]
-    entry = {axis: np.array([matrix_entry(one, axis) for one in lines]) for axis in AXES}
-    for a in sorted({axis for one in lines for axis in one.axes}):
-        of_entry = _by_entry(parts, lines, a)
-        for j in (axis for axis in AXES if axis != a):
-            patterns[f"{a}{j}"] = of_entry * np.repeat(u * entry[j], count)
-        patterns[f"{a}{a}"] = of_entry * np.repeat(np.sqrt(2.0) * u**2 * entry[a], count)
-    return patterns
-
-
-def _by_entry(parts: list[Part], lines: list[Line], axis: str) -> Array:
-    """Return the derivative of all quantities by the matrix entry of one axis of their line."""
-    found = []
+    count = [len(part[0]) for part in parts]
+    by_entry = np.zeros((sum(count), len(AXES)))  # derivative of all quantities by the matrix entries of their line
+    start = 0
     for (_, _, jacobian, _), one in zip(parts, lines, strict=True):
-        name = f"M_{one.sensor}{axis}"
-        found.append(jacobian[:, one.names.index(name)] if name in one.names else np.zeros(len(jacobian)))
-    return np.concatenate(found)
+        at = [AXES.index(axis) for axis in one.axes]
+        by_entry[start : start + len(jacobian), at] = jacobian[:, 1 : 1 + len(at)]
+        start += len(jacobian)
+    entry = np.repeat([matrix_entries(one) for one in lines], count, axis=0)
+    turned = sorted({axis for one in lines for axis in one.axes})
+    pairs = [(a, j) for a in turned for j in (*(axis for axis in AXES if axis != a), a)]
+    size = np.array([np.sqrt(2.0) * u**2 if a == j else u for a, j in pairs])
+    of, to = (np.array([AXES.index(pair[i]) for pair in pairs]) for i in (0, 1))
+    return tuple(f"{a}{j}" for a, j in pairs), by_entry.T[of] * (size[:, None] * entry.T[to])
+
+
+def matrix_entries(one: Line) -> Array:
+    """Return what a sensor reads of x, y and z, as fitted; as ideal where the axis was not turned, shape (3,)."""
+    found = np.array([float(axis == one.sensor) for axis in AXES])
+    found[[AXES.index(axis) for axis in one.axes]] = one.fit.coefficients[1 : 1 + len(one.axes)]
+    return found
 
 
 def matrix_entry(one: Line, axis: str) -> float:
@@ -298,8 +307,7 @@ def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
 def _earth_changes(part: Part, one: Line, stacked: Array) -> dict[str, Array]:
     """Return the change of the quantities of a sensor for each pattern of each source, shapes (names, s)."""
     sources = one.readings.earth_sources
-    row = np.array([matrix_entry(one, axis) for axis in AXES])
-    patterns = stacked @ row  # (s of all, n): what the sensor reads of each
+    patterns = stacked @ matrix_entries(one)  # (s of all, n): what the sensor reads of each
     changes: Array = -part[2] @ (one.fit.solve @ patterns.T)
     found, start = {}, 0
     for name, each in sources.items():
@@ -340,10 +348,3 @@ def _taken_off_change(jacobian: Array, one: Line, origin: Origin) -> Array:
         return np.zeros((len(jacobian), 0))
     changes: Array = -jacobian @ (one.fit.solve @ off.of_sensor(one.sensor).T)
     return changes
-
-
-def _proportional(quantity: str, value: float) -> float:
-    """Change of a quantity for a relative change of every rate."""
-    if quantity == "scale_factor_error":
-        return 1.0 + value
-    return value if quantity == "cross_axis_sensitivity" else 0.0
