@@ -277,14 +277,14 @@ MUTANTS = (
     ),
     Mutant(
         "two_levels.py",
-        "        n - p,\n        pull / diagonal,",
-        "        n,\n        pull / diagonal,",
+        "        chi_square,\n        n - p,",
+        "        chi_square,\n        n,",
         "test_two_levels",
     ),
     Mutant(
-        "two_levels.py",
-        "np.sum(weight)) / np.sum(weight**2))",
-        "0.0 * np.sum(weight)) / np.sum(weight**2))",
+        "_kernels_levels.py",
+        "(drawn - total) / squares",
+        "drawn / squares",
         "test_two_levels",
     ),
     Mutant(
@@ -306,9 +306,9 @@ MUTANTS = (
         "test_two_levels",
     ),
     Mutant(
-        "prior.py",
-        "found[quantity] = np.array(rows) / u, np.array(q) / u",
-        "found[quantity] = np.array(rows) * u, np.array(q) * u",
+        "_kernels_sphere.py",
+        "rows[at, column] = own / stated[kind]",
+        "rows[at, column] = own * stated[kind]",
         "test_positions_prior",
     ),
     Mutant(
@@ -1247,17 +1247,27 @@ MUTANTS = (
         "test_positions_from_twins test_positions_labels",
     ),
     Mutant(
-        "fixture.py",
-        "tilts.axes - tilts.direction[:, :, None] * tilt[:, None]",
-        "tilts.axes + tilts.direction[:, :, None] * tilt[:, None]",
+        "_kernels_fixture.py",
+        "(axes[k, j, a] - direction[k, j] * tilt[k, a])",
+        "(axes[k, j, a] + direction[k, j] * tilt[k, a])",
         "test_positions_fixture",
     ),
-    Mutant("fixture.py", "axis=1) - 0.5 * own", "axis=1)", "test_positions_fixture"),
-    Mutant("fixture.py", "{FACE: np.kron(tilts.same, np.eye(2))}", "{FACE: np.eye(2 * m)}", "test_positions_fixture"),
     Mutant(
-        "variance_components.py",
-        "0.5 * float(pull @ one @ pull - np.trace(one))",
-        "0.5 * float(pull @ one @ pull + np.trace(one))",
+        "_kernels_fixture.py",
+        "(each[k, a] - tilt[k, a]) ** 2 + spread[2 * k + a, 2 * k + a])",
+        "(each[k, a] - tilt[k, a]) ** 2)",
+        "test_positions_fixture",
+    ),
+    Mutant(
+        "_kernels_fixture.py",
+        "turned[0, 3 * k + i, 3 * h + j] = same[k, h] * one",
+        "turned[0, 3 * k + i, 3 * h + j] = one if k == h else 0.0",
+        "test_positions_fixture",
+    ),
+    Mutant(
+        "_kernels_components.py",
+        "total -= moved[a, i, i]",
+        "total += moved[a, i, i]",
         "test_variance_components",
     ),
     Mutant(

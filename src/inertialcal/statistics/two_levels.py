@@ -25,13 +25,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy import optimize, special
+from scipy import special
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-
-ITERATIONS = 50
-SETTLED = 1e-6  # relative change of tau^2
+from ._kernels_levels import settled_square, solve_levels, square_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +126,11 @@ def fit_two_levels(
     fixed = sum(sources.values(), np.zeros((n, n)))
     square, contrasts = (between**2, None) if between is not None else _restricted(design, readings, fixed)
     is_diagonal = all(part.ndim == 1 for part in known.values())
-    size = np.sort(np.diag(fixed)) + square if is_diagonal else np.linalg.eigvalsh(fixed + square * np.eye(n))
+    size = np.sort(fixed.diagonal()) + square if is_diagonal else np.linalg.eigvalsh(fixed + square * np.eye(n))
     if not size[0] > n * np.finfo(float).eps * size[-1]:
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
-    return _solved(design, readings, sources, fixed, square, contrasts)
+    return _solved(design, readings, sources, is_diagonal, square, contrasts)
 
 
 def fit_with_prior(
@@ -229,45 +227,25 @@ def with_gain(fit: TwoLevels, gain: Array, by_scatter: Array) -> TwoLevels:
 def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[Array, Array, float]]:
     """Variance between readings by restricted maximum likelihood, never below zero, and the contrasts behind it."""
     n, p = design.shape
-    residuals = readings - design @ np.linalg.lstsq(design, readings, rcond=None)[0]
-    total = float(residuals @ residuals) / (n - p)
+    free = np.linalg.qr(design, mode="complete")[0][:, p:]  # P = free (free' V free)^-1 free', for every tau
+    away = free.T @ readings
+    total = float(away @ away) / (n - p)
     largest = max(total, float(np.trace(fixed)) / n)
     if largest <= 0.0:
         raise DataError(
             "the readings do not scatter at all", do="Check for copied or rounded readings", code="no_scatter"
         )
     square = max(total - float(np.trace(fixed)) / n, 1e-3 * largest)
-    free = np.linalg.qr(design, mode="complete")[0][:, p:]  # P = free (free' V free)^-1 free', for every tau
     known, axes = np.linalg.eigh(free.T @ fixed @ free)
-    pull = (axes.T @ (free.T @ readings)) ** 2
+    pull = (axes.T @ away) ** 2
     least = max(total, float(known[0]))  # a prior may be wider than all that the readings show
-    floor = 1e-12 * least
-    for _ in range(ITERATIONS):
-        weight = 1.0 / (np.maximum(known, 0.0) + square)
-        step = float((weight**2 @ pull - np.sum(weight)) / np.sum(weight**2))
-        new = max(square + step, floor)
-        done = abs(new - square) <= SETTLED * least
-        square = new
-        if done:
-            break
-    return (square if square > 2.0 * floor else 0.0), (np.maximum(known, 0.0), pull, largest)
+    return settled_square(known, pull, square, least), (np.maximum(known, 0.0), pull, largest)
 
 
 def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
     """Interval of tau: at the true one the weighted sum of squares is a chi-square, and it falls with tau [4]_."""
-    nothing = 1e-300 * max(1.0, float(np.max(pull)))
-
-    def beyond(square: float, quantile: float) -> float:
-        return float(np.sum(pull / np.maximum(known + square, nothing))) - quantile
-
-    found = []
-    for quantile in _quantiles(len(pull)):
-        if beyond(0.0, quantile) <= 0.0:
-            found.append(0.0)
-            continue
-        high = largest + float(np.sum(pull)) / quantile  # there the sum is below the quantile
-        found.append(float(np.sqrt(optimize.brentq(beyond, 0.0, high, args=(quantile,), xtol=1e-9 * largest))))
-    return found[0], found[1]
+    low, high = (float(np.sqrt(square_at(known, pull, largest, one))) for one in _quantiles(len(pull)))
+    return low, high
 
 
 @lru_cache
@@ -289,38 +267,36 @@ def _inverse(fixed: Array, square: float) -> Array:
 def _solved(
     design: Array,
     readings: Array,
-    sources: Mapping[str, Array],
-    fixed: Array,
+    sources: dict[str, Array],
+    is_diagonal: bool,
     square: float,
     contrasts: tuple[Array, Array, float] | None,
 ) -> TwoLevels:
-    n, p = design.shape
-    inverse = _inverse(fixed, square)
-    weighted = inverse @ design
-    bare = np.linalg.inv(design.T @ weighted)
-    gain = bare @ weighted.T
-    projector = inverse - weighted @ gain
-    coefficients = gain @ readings
-    residuals = readings - design @ coefficients
-    pull = projector @ readings
-    diagonal = np.diag(projector).copy()
-    diagonal[diagonal <= n * np.finfo(float).eps * np.diag(inverse)] = np.nan  # a reading that alone decides
-    information = float(np.sum(projector * projector)) if contrasts is not None else np.inf
+    (n, p), s = design.shape, len(sources)
+    coefficients, bare, gain, projector = np.empty(p), np.empty((p, p)), np.empty((p, n)), np.empty((n, n))
+    residuals, parts, between, deletion = np.empty(n), np.empty((s, p, p)), np.empty((p, p)), np.empty((2, n))
+    chi_square, information = solve_levels(
+        np.ascontiguousarray(design), np.ascontiguousarray(readings),
+        np.array([*sources.values()], dtype=np.float64).reshape(s, n, n), is_diagonal, square,
+        coefficients, bare, gain, projector, residuals, parts, between, deletion,
+    )  # fmt: skip
+    if information < 0.0:
+        raise np.linalg.LinAlgError("Singular matrix")
     return TwoLevels(
         coefficients,
-        0.5 * (bare + bare.T),
-        {name: _part(gain, part) for name, part in sources.items()},
-        square * gain @ gain.T,
+        bare,
+        dict(zip(sources, parts, strict=True)),
+        between,
         contrasts,
-        information,
+        information if contrasts is not None else np.inf,
         float(np.sqrt(square)),
-        float(residuals @ inverse @ residuals),
+        chi_square,
         n - p,
-        pull / diagonal,
-        1.0 / np.sqrt(diagonal),
+        deletion[0],
+        deletion[1],
         residuals,
         gain,
-        np.asarray(projector),
+        projector,
         design,
         readings,
         sources,

@@ -22,13 +22,11 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -37,6 +35,7 @@ from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
+from ._kernels_sphere import SETTLED, converge, fill_lengths, fit_sphere
 from .fixture import BETWEEN, INSIDE, Laid, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
 from .linear_sensor import (
@@ -51,25 +50,19 @@ from .linear_sensor import (
     propagated,
 )
 from .next_record import Wander
-from .outliers import found_outliers, robust_scale, weights
+from .outliers import found_outliers
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
 NOT_TOLD = Reason("not_told", "these positions do not determine it")
 OF_FRAME = Reason("of_frame", "0 by definition: the accelerometer axes define the body frame")
+NO_LENGTH = "a reading of no length has no direction"
 FEWEST = 4  # positions without which nothing is determined
 
 Flags = NDArray[np.bool_]
-# Of each quantity with a prior: its derivatives by the scaled parameters, and its value, over the prior u
-Prior = Mapping[str, tuple[Array, Array]]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
-ROW, COLUMN = np.array(LOWER).T
-FLAT = 3 * ROW + COLUMN
-STEPS = 60
-SIZES = 0.5 ** np.arange(12.0)[:, None]  # of a step that are tried
+FLAT = np.array([3 * i + j for i, j in LOWER])
 NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, named as those of A
-COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
-SETTLED = 1e-9  # of gravity
 LOST = 1.0  # standard uncertainty of a combination of size one (100 % of gravity), above which it is not determined
 UNKNOWN = 0.02  # standard uncertainty of such a combination, for parameters that hardly take part in it
 NOT_DETERMINED = "combinations not determined"
@@ -254,14 +247,11 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
 
 def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
     """Return scaled parameters by a robust fit, the scatter of a length, and the singular value that is cut off."""
-    everyone = np.ones(len(r))
-    theta = converged(r, g, everyone, nominal(g), COARSE)
-    cut = max(_scatter(theta, r, inside, g) / (g * LOST), SMALLEST)
-    theta = converged(r, g, everyone, theta, cut)
-    for _ in range(4):
-        free = max(len(r) - len(theta), 1)
-        theta = converged(r, g, np.sqrt(weights(lengths(theta, r, g)[0], free)), theta, cut)
-    return theta, _scatter(theta, r, inside, g), cut
+    theta = nominal(g)
+    scatter, least = fit_sphere(_rows(r), _rows(inside), g, LOST, SMALLEST, theta)
+    if np.isnan(least):
+        raise np.linalg.LinAlgError(NO_LENGTH)
+    return theta, scatter, least
 
 
 def among(fitted: Fitted, named: Flags) -> Fitted:
@@ -292,13 +282,6 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
 
 def _observe(jacobian: Array, scatter: float, g: float) -> Observability:
     return observe(jacobian / g, NAMES, scatter / g, LOST)
-
-
-def _scatter(theta: Array, r: Array, inside: Array, g: float) -> float:
-    """Scatter of a length: that of the residuals, where any are left over, never below the noise inside."""
-    e = lengths(theta, r, g)[0]
-    left = robust_scale(e, len(e) - len(theta)) if len(e) > len(theta) else 0.0
-    return max(left, float(np.sqrt(np.mean(inside))))
 
 
 def _check_count(m: int) -> None:
@@ -444,94 +427,37 @@ def parts(theta: Array, g: float) -> tuple[Array, Array]:
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     """Return errors of length (m,), derivatives by the scaled parameters (m, 9), unit vectors (m, 3)."""
-    e, by_each, u = _lengths(theta, r.T, g)
-    return e, np.ascontiguousarray(by_each.T), np.ascontiguousarray(u.T)
-
-
-def _lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
-    """Return the same a row a component, of readings (3, m): (m,), (9, m), (3, m). Numpy is fast along long rows."""
-    T, b = parts(theta, g)
-    d = r - b[:, None]
-    x = T @ d
-    length = np.sqrt(_squares(x))
-    by_each = np.empty((9, len(length)))
-    with np.errstate(divide="ignore", invalid="ignore"):  # a reading of no length has no direction: no solution
-        u = x / length
-        by_each[:6] = u[ROW] * d[COLUMN] / g
-        by_each[6:] = -(T.T @ u)
-    return length - g, by_each, u
-
-
-def _squares(x: Array) -> Array:
-    """Return the squared lengths of vectors, (..., 3, m)."""
-    squares = x * x
-    return np.asarray(squares[..., 0, :] + squares[..., 2, :] + squares[..., 1, :])
+    m = len(r)
+    e, jacobian, u = np.empty(m), np.empty((m, 9)), np.empty((m, 3))
+    fill_lengths(theta, _rows(r), g, e, jacobian, u)
+    return e, jacobian, u
 
 
 def converged(
-    r: Array, g: float, root: Array, theta: Array, cut: float, prior: Callable[[Array], Prior] | None = None
+    r: Array, g: float, root: Array, theta: Array, cut: float, prior: Mapping[str, float] | None = None
 ) -> Array:
-    """Return where damped Gauss-Newton with weights root^2 ends; what is not determined stays as it starts."""
-    across = np.ascontiguousarray(r.T)
+    """Return where damped Gauss-Newton with weights root^2 ends; what is not determined stays as it starts.
 
-    def errors(at: Array) -> tuple[Array, Array]:
-        e, by_each, _ = _lengths(at, across, g)
-        e, jacobian = root * e, (root * by_each).T
-        if prior is None:
-            return e, jacobian
-        also = prior(at).values()
-        return np.concatenate([e, *(q for _, q in also)]), np.vstack([jacobian, *(rows for rows, _ in also)])
-
-    def costs(trials: Array) -> Array:
-        """Return the cost of each of some parameters, shape (k,)."""
-        T = np.zeros((len(trials), 9))
-        T[:, FLAT] = trials[:, :6] / g
-        e = root * (np.sqrt(_squares(T.reshape(-1, 3, 3) @ (across - trials[:, 6:, None]))) - g)
-        found: Array = np.einsum("km,km->k", e, e)
-        if prior is not None:
-            found += [sum(float(q @ q) for _, q in prior(at).values()) for at in trials]
-        return found
-
-    e, jacobian = errors(theta)
-    cost = float(costs(theta[None])[0])
-    whole = True
-    for _ in range(STEPS):
-        step = shortest(jacobian, -e, cut)
-        # The whole step is most often right, and where the last was not, all sizes take little more than the first
-        for sizes in (SIZES[:1], SIZES[1:]) if whole or prior is not None else (SIZES,):
-            new = costs(theta + sizes * step)
-            lower = np.flatnonzero(new <= cost)  # at the minimum, where rounding decides, no step of all is taken
-            if len(lower):
-                break
-        else:
-            break
-        taken = float(sizes[lower[0], 0])
-        whole, step = taken == 1.0, taken * step
-        theta, cost = theta + step, float(new[lower[0]])
-        e, jacobian = errors(theta)
-        if np.max(np.abs(step)) <= SETTLED * g:
-            break
-    return np.asarray(theta)
-
-
-@cache
-def _room(rows: int, columns: int) -> tuple[int, int]:
-    """Return the sizes of the arrays that `shortest` works in."""
-    real, whole, _ = lapack.dgelsd_lwork(rows, columns, 1)
-    return int(real), int(whole)
-
-
-def shortest(design: Array, readings: Array, cut: float) -> Array:
-    """Return the shortest of the least-squares solutions; ``cut``: of the largest singular value, below which one is 0.
-
-    As ``numpy.linalg.lstsq``, which takes twice as long for so few rows.
+    Parameters
+    ----------
+    r, g, root, theta, cut
+        As ``_kernels_sphere.converge`` takes them.
+    prior : mapping of str to float, optional
+        Standard uncertainties that are expected beside the readings, by quantity.
     """
-    target = np.zeros(max(design.shape))
-    target[: len(readings)] = readings
-    found, _, _, failed = lapack.dgelsd(design, target, *_room(*design.shape), cut)
-    if failed:
-        raise np.linalg.LinAlgError("SVD did not converge in Linear Least Squares")
-    return np.asarray(found[: design.shape[1]])
+    found = theta.copy()
+    if not converge(_rows(r), g, root, found, cut, np.empty(0) if prior is None else by_kind(prior)):
+        raise np.linalg.LinAlgError(NO_LENGTH)
+    return found
+
+
+def by_kind(prior: Mapping[str, float]) -> Array:
+    """Return prior standard uncertainties of scale factors, misalignment and bias, NaN where there is none, (3,)."""
+    return np.array([prior.get(name, np.nan) for name in ("scale_factor_error", "misalignment", "bias")])
+
+
+def _rows(x: Array) -> Array:
+    return np.ascontiguousarray(x)
 
 
 def variances(theta: Array, u: Array, inside: Array, g: float) -> Array:

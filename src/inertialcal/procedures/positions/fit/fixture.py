@@ -27,7 +27,7 @@ times that noise is taken, and remarked.
 
 References
 ----------
-.. [1] ``statistics.variance_components``.
+.. [1] ``variance_components``.
 """
 
 from __future__ import annotations
@@ -42,10 +42,11 @@ from scipy import special
 from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.key import AXES
-from ....statistics.variance_components import Components, fit_components
+from ._kernels_fixture import lay
 from .linear_sensor import HIDDEN, Source, dof_of_each, propagated
 from .outliers import FREE
 from .rotations import across
+from .variance_components import Components, Shared, components_of, fit_components
 
 INSIDE = "noise inside positions"
 BETWEEN = "scatter between positions"
@@ -94,6 +95,7 @@ class Laid:
     readings: Array  # shape (3 m,): the same
     lever: Array  # shape (3 m, 2 m): derivatives of these by the tilts
     known: Mapping[str, Array]  # Covariances of the readings that were known, by source
+    shared: Shared  # That of them which readings of several faces share
 
 
 def tilts_of(direction: Array, stated: Mapping[str, Influence]) -> Tilts:
@@ -152,7 +154,7 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
         return found
     patterns = {name: one for name, one in other.found.patterns.items() if name != FACE_FOUND}
     known = {**other.known, FACE: square * other.found.patterns[FACE_FOUND]}
-    smaller = fit_components(other.design, other.readings, known, patterns)
+    smaller = fit_components(other.design, other.readings, known, patterns, other.shared)
     if 2.0 * (other.found.likelihood - smaller.likelihood) <= special.chdtri(1.0, 2.0 * CONTRADICTED):
         return found
     widened = other.widened  # the excess may be of the tilts or of the sensors: along gravity it counts as the latter
@@ -163,52 +165,39 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
 
 def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
     m = len(r)
-    usual, scale = np.concatenate([np.eye(3).ravel(), np.zeros(3)]), np.concatenate([np.ones(9), np.full(3, g)])
+    scale = np.concatenate([np.ones(9), np.full(3, g)])
     back = scale[:, None] * kept
     along = np.einsum("ki,kip->kp", tilts.direction, (derivatives(tilts.direction) @ kept).reshape(m, 3, -1))
     assumed = m <= int(np.linalg.matrix_rank(along, tol=1e-6))
     wanted = [FACE_FOUND] if FACE not in tilts.stated else []
     wanted += [LAYING_FOUND] if LAYING not in tilts.stated and tilts.repeated else []
-    patterns = {FACE: np.kron(tilts.same, np.eye(2))}
-    if LAYING in tilts.stated or LAYING_FOUND in wanted:
-        patterns[LAYING] = np.eye(2 * m)
-    values, tilt, spread = usual, np.zeros((m, 2)), np.zeros((2 * m, 2 * m))
-    stretch, most = np.ones(m), 0.0
-    start: Mapping[str, float] | None = None
-    for number in range(ROUNDS if m <= MANY else FEW_ROUNDS):
-        A = values[:9].reshape(3, 3)
-        up = tilts.direction * stretch[:, None] + np.einsum("kia,ka->ki", tilts.axes, tilt)
-        design = derivatives(g * up)
-        Z = _lever(g * A, tilts.axes - tilts.direction[:, :, None] * tilt[:, None])
-        y = r.ravel() - design @ usual + Z @ tilt.ravel()
-        turned = {name: Z @ one @ Z.T for name, one in patterns.items()}
-        if assumed and number == 0:
-            plain = design @ back
-            away = y - plain @ np.linalg.lstsq(plain, y, rcond=None)[0]
-            most = float(away @ away) / (3 * m - kept.shape[1])
-        known = {INSIDE: np.diag(inside.ravel()), COSINE: _cosine(g * tilts.direction @ A.T, spread)}
-        if assumed:
-            known[BETWEEN] = np.diag(_hidden(inside, most)[0])
-        known |= {name: one.u**2 * turned[name] for name, one in tilts.stated.items()}
-        unknown = {} if assumed else {BETWEEN: np.eye(3 * m)}
-        unknown |= {name: turned[FACE if name == FACE_FOUND else LAYING] for name in wanted}
-        found = fit_components(design @ back, y, known, unknown, start)
-        start = found.variances
-        values = usual + back @ found.coefficients
-        sizes = {name: one.u**2 for name, one in tilts.stated.items()}
-        sizes |= {FACE if k == FACE_FOUND else LAYING: v for k, v in found.variances.items() if k in wanted}
-        prior = sum((size * patterns[name] for name, size in sizes.items()), np.zeros((2 * m, 2 * m)))
-        pull = prior @ Z.T
-        each = (pull @ found.projector @ y).reshape(m, 2)
-        tilt = tilts.same @ each / np.sum(tilts.same, axis=1)[:, None]  # one for a face: its layings differ by little
-        spread = prior - pull @ found.projector @ pull.T
-        before = stretch
-        own = np.sum(np.diag(spread).reshape(m, 2), axis=1)
-        stretch = 1.0 - 0.5 * np.sum(tilt**2 + (each - tilt) ** 2, axis=1) - 0.5 * own
-        if np.max(np.abs(stretch - before)) < SETTLED:
-            break
+    n, p = 3 * m, kept.shape[1]
+    names = [*([] if assumed else [BETWEEN]), *wanted]
+    own = ASSUMED**2 * inside.ravel()
+    values, stretch, y, between = np.empty(12), np.empty(m), np.empty(n), np.empty(n)
+    design, Z, turned = np.empty((n, p)), np.zeros((n, 2 * m)), np.empty((2, n, n))
+    squares, seen = np.empty((m, m)), np.empty(n)
+    theta, information = np.empty(len(names)), np.empty((len(names),) * 2)
+    fit = np.empty((n, n)), np.empty((p, n)), np.empty((p, p)), np.empty((n, n)), np.empty(p)  # inverse to coefficients
+    state, likely, most = lay(
+        np.ascontiguousarray(r), np.ascontiguousarray(inside), g, np.ascontiguousarray(tilts.direction),
+        np.ascontiguousarray(tilts.axes), tilts.same, back,
+        np.array([tilts.stated[name].u ** 2 if name in tilts.stated else np.nan for name in (FACE, LAYING)]),
+        np.array([float(name in wanted) for name in (FACE_FOUND, LAYING_FOUND)]),
+        assumed, own if np.all(own > 0.0) else np.empty(0), UNKNOWN, ROUNDS if m <= MANY else FEW_ROUNDS, SETTLED,
+        values, stretch, design, y, Z, turned, squares, seen, between, theta, information, *fit,
+    )  # fmt: skip
+    known = {INSIDE: np.diag(inside.ravel()), COSINE: _cosine(squares, seen)}
+    if assumed:
+        known[BETWEEN] = np.diag(between)
+    of_tilts = {FACE: turned[0], LAYING: turned[1]}
+    known |= {name: one.u**2 * of_tilts[name] for name, one in tilts.stated.items()}
+    unknown = {} if assumed else {BETWEEN: np.eye(n)}
+    unknown |= {name: of_tilts[FACE if name == FACE_FOUND else LAYING] for name in wanted}
+    found = components_of(state, likely, design, y, known, unknown, theta, information, *fit)
     widened = _hidden(inside, most)[1]
-    return Laid(found, back, values, stretch, assumed, False, most, widened, design @ back, y, Z, known)
+    shared = Shared(COSINE, tilts.same, squares, seen)
+    return Laid(found, back, values, stretch, assumed, False, most, widened, design, y, Z, known, shared)
 
 
 def _lever(matrix: Array, moved: Array) -> Array:
@@ -220,11 +209,15 @@ def _lever(matrix: Array, moved: Array) -> Array:
     return Z.reshape(3 * m, 2 * m)
 
 
-def _cosine(up: Array, spread: Array) -> Array:
-    """Covariance of the readings by the squares of the tilts, shape (3 m, 3 m); ``up``: A g d of each, (m, 3)."""
-    m = len(up)
-    squares = 0.5 * np.sum(spread.reshape(m, 2, m, 2) ** 2, axis=(1, 3))
-    return np.asarray(np.einsum("kl,ki,lj->kilj", squares, up, up).reshape(3 * m, 3 * m))
+def _squares(spread: Array) -> Array:
+    """Covariance of half the squares of the tilts, shape (m, m), by that of the tilts."""
+    m = len(spread) // 2
+    return np.asarray(0.5 * np.sum(spread.reshape(m, 2, m, 2) ** 2, axis=(1, 3)))
+
+
+def _cosine(squares: Array, up: Array) -> Array:
+    """Covariance of the readings by the squares of the tilts, shape (3 m, 3 m); ``up``: A g d of each, (3 m,)."""
+    return np.asarray(np.repeat(np.repeat(squares, 3, axis=0), 3, axis=1) * np.outer(up, up))
 
 
 def _hidden(inside: Array, most: float) -> tuple[Array, float]:
@@ -342,7 +335,11 @@ def _covariance(laid: Laid, tilts: Tilts, inside: Array, g: float) -> Array:
     Z = _lever(g * A, tilts.axes)
     spread: Array = np.kron(face * tilts.same + laying * np.eye(m), np.eye(2)).astype(np.float64)
     hidden = _hidden(inside, laid.hidden)[0] if laid.assumed else found.variances[BETWEEN]
-    return np.asarray(Z @ spread @ Z.T + _cosine(g * tilts.direction @ A.T, spread) + np.diag(inside.ravel() + hidden))
+    return np.asarray(
+        Z @ spread @ Z.T
+        + _cosine(_squares(spread), g * (tilts.direction @ A.T).ravel())
+        + np.diag(inside.ravel() + hidden)
+    )
 
 
 def scatter_interval(scatter: float, dof: float, square_variance: float) -> tuple[float, float]:

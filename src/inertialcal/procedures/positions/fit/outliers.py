@@ -20,42 +20,12 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....statistics.two_levels import fit_two_levels
+from ._kernels_sphere import fill_tukey, robust_scale
 
-TUKEY = 4.685  # 95 % efficiency for normal errors
 STANDS_OUT = 3.5  # robust standard deviations
 FREE = 4  # least degrees of freedom of a fit that can judge a position
-STEPS = 15
-MAD = 1.4826
 
 Flags = NDArray[np.bool_]
-
-
-def weights(residuals: Array, free: int) -> Array:
-    """Return Tukey's weights of residuals, shape (n,)."""
-    scale = robust_scale(residuals, free)
-    if scale == 0.0:
-        return np.ones(len(residuals))
-    return np.asarray(np.clip(1.0 - (residuals / (TUKEY * scale)) ** 2, 0.0, None) ** 2)
-
-
-def robust_scale(residuals: Array, free: int) -> float:
-    """Return the scatter of residuals by their median size, those that a fit uses up set aside."""
-    sizes = np.sort(np.abs(residuals))[-max(free, 1) :]
-    return float(MAD * 0.5 * (sizes[(len(sizes) - 1) // 2] + sizes[len(sizes) // 2]))
-
-
-def tukey_coefficients(design: Array, readings: Array) -> Array:
-    """Return coefficients of a linear fit with Tukey's weights, shape (p,)."""
-    n, p = design.shape
-    found = np.linalg.lstsq(design, readings, rcond=None)[0]
-    for _ in range(STEPS):
-        root = np.sqrt(weights(readings - design @ found, n - p))
-        new = np.linalg.lstsq(design * root[:, None], readings * root, rcond=None)[0]
-        done = np.all(np.abs(design @ (new - found)) <= 1e-4 * np.abs(readings).max(initial=1e-300))
-        found = new
-        if done:
-            break
-    return np.asarray(found)
 
 
 def found_outliers(
@@ -86,7 +56,8 @@ def found_outliers(
     nobody = np.zeros(count, dtype=bool)
     if n - p < FREE:
         return nobody
-    residuals = readings - design @ tukey_coefficients(design, readings)
+    found, residuals = np.empty(p), np.empty(n)
+    fill_tukey(np.ascontiguousarray(design), np.ascontiguousarray(readings), found, residuals)
     scale = robust_scale(residuals, n - p)
     suspect = np.zeros(count, dtype=bool)
     suspect[group[np.abs(residuals) > STANDS_OUT * scale]] = True

@@ -33,13 +33,12 @@ from ....core.key import Key
 from ....statistics.two_levels import TwoLevels, fit_with_prior
 from ..plan import Plan
 from ..readings import Triad, local_gravity
+from ._kernels_sphere import SETTLED, prior_rows
 from .accelerometer import (
     LOST,
-    LOWER,
     NAMES,
-    SETTLED,
     Fitted,
-    Prior,
+    by_kind,
     converged,
     determined_forward,
     finished,
@@ -95,24 +94,15 @@ def check_prior(plan: Plan, si: bool) -> None:
             )
 
 
-def rows_of(theta: Array, g: float, stated: Mapping[str, float]) -> Prior:
-    """Return what a prior expects of scaled parameters, quantity by quantity."""
-    values, derivative = forward(theta, g)
-    found: dict[str, tuple[Array, Array]] = {}
-    for quantity, u in stated.items():
-        q, rows = [], []
-        for i, j in LOWER:
-            own, row = values[4 * i], derivative[4 * i]
-            if quantity == "scale_factor_error" and i == j:
-                q.append(own - 1.0)
-                rows.append(row)
-            elif quantity == "misalignment" and i != j:
-                q.append(values[3 * i + j] / own)
-                rows.append((derivative[3 * i + j] - q[-1] * row) / own)
-        if quantity == "bias":
-            q, rows = list(values[9:]), list(derivative[9:])
-        found[quantity] = np.array(rows) / u, np.array(q) / u
-    return found
+def rows_of(theta: Array, g: float, stated: Mapping[str, float]) -> Mapping[str, tuple[Array, Array]]:
+    """Return what a prior expects of scaled parameters, quantity by quantity.
+
+    The derivatives of each by the parameters, and its values, over its prior u.
+    """
+    rows, q = np.empty((9, 9)), np.empty(9)
+    prior_rows(theta, g, by_kind(stated), rows, q)
+    at = {"scale_factor_error": slice(3), "misalignment": slice(3, 6), "bias": slice(6, 9)}
+    return {quantity: (rows[at[quantity]], q[at[quantity]]) for quantity in stated}
 
 
 def fit_prior(plan: Plan, triad: Triad, ideal: Array, zero: Array, without: Fitted) -> tuple[Fitted, Judgement | None]:
@@ -136,7 +126,7 @@ def fit_prior(plan: Plan, triad: Triad, ideal: Array, zero: Array, without: Fitt
     r, inside = normalised(triad, ideal, zero)
     kept = ~without.outliers
     r, inside = r[kept], inside[kept]
-    theta = converged(r, g, np.full(len(r), 1.0 / (START * g)), nominal(g), SMALL, partial(rows_of, g=g, stated=stated))
+    theta = converged(r, g, np.full(len(r), 1.0 / (START * g)), nominal(g), SMALL, stated)
     size, most = START * g, without.between_interval[1] if without.free else np.inf
     solved = _solved(theta, r, inside, g, stated, size, most)
     for _ in range(STEPS):
@@ -218,12 +208,11 @@ def left_out(r: Array, inside: Array, g: float, stated: Mapping[str, float], bet
     """
     variance = np.mean(inside, axis=1) + between**2
     root = 1.0 / np.sqrt(np.where(variance > 0.0, variance, (START * g) ** 2))
-    prior = partial(rows_of, g=g, stated=stated)
     found: dict[str, list[float]] = {"prior": [], "without_prior": [], "as_read": []}
     for k in range(len(r)):
         rest = np.arange(len(r)) != k
         fits = {
-            "prior": converged(r[rest], g, root[rest], nominal(g), SMALL, prior),
+            "prior": converged(r[rest], g, root[rest], nominal(g), SMALL, stated),
             "without_prior": sphere(r[rest], inside[rest], g)[0],
             "as_read": nominal(g),
         }

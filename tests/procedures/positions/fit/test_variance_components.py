@@ -7,7 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.variance_components import Components, fit_components
+from inertialcal.procedures.positions.fit.variance_components import Components, fit_components
 
 GROUPS, EACH = 8, 4
 SAME: Array = np.asarray(np.kron(np.eye(GROUPS), np.ones((EACH, EACH))), dtype=np.float64)

@@ -1,0 +1,245 @@
+"""Kernels: fits of few readings with a scatter between them (``two_levels``), and inverses of small covariances."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.estimate import Array
+from ._kernels import reordered
+
+ITERATIONS = 50
+SETTLED = 1e-6  # relative change of tau^2
+NARROW = 200  # halvings of an interval, at most
+
+
+@reordered
+def root_of(V: Array, root: Array) -> float:
+    """Fill the lower root; return the logarithm of the determinant of V, NaN where it is not positive."""
+    log = 0.0
+    for i in range(len(V)):
+        for j in range(i + 1):
+            total = V[i, j]
+            for k in range(j):
+                total -= root[i, k] * root[j, k]
+            if i == j:
+                if not total > 0.0:
+                    return np.nan
+                root[i, i] = np.sqrt(total)
+                log += 2.0 * np.log(root[i, i])
+            else:
+                root[i, j] = total / root[j, j]
+    return float(log)
+
+
+@reordered
+def inverse_of(V: Array, root: Array, inverse: Array) -> float:
+    """Fill the inverse of a symmetric matrix, and its root; return as `root_of`."""
+    log = root_of(V, root)
+    if np.isnan(log):
+        return np.nan
+    n = len(V)
+    back = np.zeros((n, n))  # inverse of the root, a row a column of it
+    for c in range(n):
+        for i in range(c, n):
+            total = 1.0 if i == c else 0.0
+            for k in range(c, i):
+                total -= root[i, k] * back[c, k]
+            back[c, i] = total / root[i, i]
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(i, n):
+                total += back[i, k] * back[j, k]
+            inverse[i, j] = inverse[j, i] = total
+    return log
+
+
+@reordered
+def settled_square(known: Array, pull: Array, start: float, least: float) -> float:
+    """Return the variance between readings of greatest restricted likelihood, zero where there is none.
+
+    Parameters
+    ----------
+    known, pull : ndarray, shape (q,)
+        Of contrasts apart: their known variances, and their squares.
+    start : float
+        To begin with.
+    least : float
+        In which changes are told.
+    """
+    square, floor = start, 1e-12 * least
+    for _ in range(ITERATIONS):
+        drawn, total, squares = 0.0, 0.0, 0.0
+        for i in range(len(known)):
+            weight = 1.0 / (max(known[i], 0.0) + square)
+            drawn += weight * weight * pull[i]
+            total += weight
+            squares += weight * weight
+        new = max(square + (drawn - total) / squares, floor)
+        done = abs(new - square) <= SETTLED * least
+        square = new
+        if done:
+            break
+    return square if square > 2.0 * floor else 0.0
+
+
+@reordered
+def _beyond(known: Array, pull: Array, nothing: float, square: float, quantile: float) -> tuple[float, float]:
+    """Return the weighted sum of squares less a quantile, and its slope."""
+    total, slope = -quantile, 0.0
+    for i in range(len(known)):
+        whole = known[i] + square
+        if whole > nothing:
+            total += pull[i] / whole
+            slope -= pull[i] / (whole * whole)
+        else:
+            total += pull[i] / nothing
+    return total, slope
+
+
+@reordered
+def square_at(known: Array, pull: Array, largest: float, quantile: float) -> float:
+    """Return the variance at which the weighted sum of squares is a quantile; zero where it is less without any."""
+    most, whole = 0.0, 0.0
+    for i in range(len(pull)):
+        most = max(most, pull[i])
+        whole += pull[i]
+    nothing = 1e-300 * max(1.0, most)
+    if _beyond(known, pull, nothing, 0.0, quantile)[0] <= 0.0:
+        return 0.0
+    low, high = 0.0, largest + whole / quantile  # there the sum is below the quantile
+    square = 0.5 * (low + high)
+    for _ in range(NARROW):  # Newton: the sum falls, ever slower
+        value, slope = _beyond(known, pull, nothing, square, quantile)
+        if value > 0.0:
+            low = square
+        else:
+            high = square
+        new = square - value / slope if slope < 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - square) <= 1e-15 * high or high - low <= 1e-15 * high:
+            return new
+        square = new
+    return square
+
+
+@reordered
+def solve_levels(
+    design: Array, y: Array, sources: Array, is_diagonal: bool, square: float, coefficients: Array, bare: Array,
+    gain: Array, projector: Array, residuals: Array, parts: Array, between: Array, deletion: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Fill the fit of readings with known errors and a scatter between them.
+
+    Parameters
+    ----------
+    design, y : ndarray, shapes (n, p), (n,)
+        As `fit_two_levels` takes them.
+    sources : ndarray, shape (s, n, n)
+        The known covariances.
+    is_diagonal : bool
+        Whether all of them are.
+    square : float
+        Variance between readings.
+    coefficients, bare, gain, projector, residuals : ndarray, shapes (p,), (p, p), (p, n), (n, n), (n,)
+        Out: as ``TwoLevels`` has them.
+    parts, between : ndarray, shapes (s, p, p), (p, p)
+        Out: covariance of the coefficients by each source, and by the scatter.
+    deletion : ndarray, shape (2, n)
+        Out: residual of each reading from the fit without it, and its u; NaN of one that alone decides.
+
+    Returns
+    -------
+    float, float
+        Chi-square; twice Fisher's information of the scatter, negative where a covariance is none.
+    """
+    n, p = design.shape
+    V, inverse, root = np.zeros((n, n)), np.zeros((n, n)), np.empty((n, n))
+    for s in range(len(sources)):
+        for i in range(n):
+            for j in range(n):
+                V[i, j] += sources[s, i, j]
+    for i in range(n):
+        V[i, i] += square
+    if is_diagonal:
+        for i in range(n):
+            inverse[i, i] = 1.0 / V[i, i]
+    elif np.isnan(inverse_of(V, root, inverse)):
+        return np.nan, -1.0
+    weighted, normal = np.zeros((n, p)), np.zeros((p, p))
+    for i in range(n):
+        for k in range(n):
+            share = inverse[i, k]
+            if share != 0.0:
+                for j in range(p):
+                    weighted[i, j] += share * design[k, j]
+    for k in range(n):
+        for i in range(p):
+            for j in range(i + 1):
+                normal[i, j] += design[k, i] * weighted[k, j]
+    small = np.empty((p, p))
+    if np.isnan(inverse_of(normal, small, bare)):
+        return np.nan, -1.0
+    gain[:] = 0.0
+    for a in range(p):
+        for b in range(p):
+            for i in range(n):
+                gain[a, i] += bare[a, b] * weighted[i, b]
+    information = 0.0
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.5 * (inverse[i, j] + inverse[j, i])
+            for a in range(p):
+                total -= weighted[i, a] * gain[a, j]
+            projector[i, j] = projector[j, i] = total
+            information += total * total if i == j else 2.0 * total * total
+    for a in range(p):
+        total = 0.0
+        for i in range(n):
+            total += gain[a, i] * y[i]
+        coefficients[a] = total
+    for i in range(n):
+        total = y[i]
+        for a in range(p):
+            total -= design[i, a] * coefficients[a]
+        residuals[i] = total
+    chi_square = 0.0
+    for i in range(n):
+        total, pull = 0.0, 0.0
+        for j in range(n):
+            total += inverse[i, j] * residuals[j]
+            pull += projector[i, j] * residuals[j]
+        chi_square += residuals[i] * total
+        own = projector[i, i]
+        if own <= n * 2.220446049250313e-16 * inverse[i, i]:
+            own = np.nan
+        deletion[0, i], deletion[1, i] = pull / own, 1.0 / np.sqrt(own)
+    moved = np.empty((p, n))
+    for s in range(len(sources)):
+        if is_diagonal:
+            for a in range(p):
+                for i in range(n):
+                    moved[a, i] = gain[a, i] * sources[s, i, i]
+        else:
+            moved[:] = 0.0
+            for a in range(p):
+                for i in range(n):
+                    for j in range(n):
+                        moved[a, j] += gain[a, i] * sources[s, i, j]
+        _joined(moved, gain, parts[s])
+    for a in range(p):
+        for i in range(n):
+            moved[a, i] = square * gain[a, i]
+    _joined(moved, gain, between)
+    return chi_square, information
+
+
+@reordered
+def _joined(moved: Array, gain: Array, part: Array) -> None:
+    """Fill the symmetric product of both."""
+    for a in range(len(gain)):
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(gain.shape[1]):
+                total += moved[a, i] * gain[b, i] + moved[b, i] * gain[a, i]
+            part[a, b] = part[b, a] = 0.5 * total
