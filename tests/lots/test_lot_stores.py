@@ -152,3 +152,44 @@ def test_rows_of_a_unit_are_the_same_wherever_they_stand(tmp_path: Path, monkeyp
     monkeypatch.setattr("inertialcal.lots.stores.HELD", 0)  # too much for memory: through a file
     on_disk = delivered(tmp_path / "disk", mixed, 7)
     assert [one[1] for one in on_disk.values()] == [one[1] for one in whole.values()]
+
+
+def test_groups_of_rows_are_found_by_what_the_footer_says_now(tmp_path: Path) -> None:
+    serials = np.repeat([f"u{k:02d}" for k in range(8)], 4)
+    shared = {"still": Shared("all.parquet", "serial")}
+
+    def read(wanted: str) -> list[float] | None:
+        with Delivery(Place(str(tmp_path)), shared) as delivery:
+            delivery.load_shared({0: {"serial": wanted}})
+            handed = delivery.handed.get(0)
+            return None if handed is None else list(handed["all.parquet"][0].columns[0].values.tolist())
+
+    for texts in (pa.array(serials), pa.array(serials).dictionary_encode(), pa.array(np.repeat(np.arange(8), 4))):
+        for statistics in (True, False):
+            table = pa.table({"serial": texts, "x": pa.array(np.arange(32.0))})
+            path = tmp_path / "all.parquet"
+            pq.write_table(table, path, row_group_size=6, write_statistics=statistics)
+            name = str(texts[20].as_py())
+            assert read(name) == [20.0, 21.0, 22.0, 23.0]
+            assert read("none") is None
+            pq.write_table(table.slice(4), path, row_group_size=12)  # while another process has read its footer
+            assert read(name) == [20.0, 21.0, 22.0, 23.0]
+
+
+def test_the_digest_of_rows_is_that_of_what_arrow_streams() -> None:
+    rng, n = np.random.default_rng(3), 40
+    table = pa.table(
+        {
+            "x": rng.random(n),
+            "short": rng.integers(0, 9, n).astype("i2"),
+            "gone": pa.array([None if one < 0.2 else one for one in rng.random(n)]),
+            "yes": pa.array(rng.random(n) < 0.5),
+            "word": pa.array([f"w{k % 3}" for k in range(n)]).dictionary_encode(),
+        }
+    )
+    parts = [range(11), range(11, 22), range(22, n), range(11, 22)]
+    plain = stores.plain_rows(table)
+    alone = [stores.digests_of(stores.plain_rows(table.slice(one.start, len(one))), [range(len(one))]) for one in parts]
+    assert [[one] for one in stores.digests_of(plain, parts)] == alone
+    copied = stores.plain_rows(pa.concat_tables([table.slice(0, 5), table.slice(5)]))  # in two pieces
+    assert stores.digests_of(copied, parts) == stores.digests_of(plain, parts)

@@ -11,9 +11,11 @@ import hashlib
 import os
 import re
 import shutil
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -39,6 +41,7 @@ from ..files.registry import Columns, read_recording
 from ..files.text.table import Table, table_of_content
 from .units import csv_heading
 
+WHOLE = re.compile(r"-?[0-9]{1,20}")  # number
 COLUMN = re.compile(r"\{([^{}]*)\}")
 CSV = (".csv", ".txt", ".tsv")
 HEAD = 2**16  # bytes of a CSV that tell what separates its cells, and its letters
@@ -407,18 +410,26 @@ class Delivery:
             raise DataError("no such file", shared.file, do=do, code="missing_file")
         found: dict[Key, list[_Piece]] = {}
         with reading(shared.file):
-            made = _as_text(system, f"{root}/{shared.file}") if shared.is_text else ds.ParquetFileFormat()
-            data = ds.dataset(f"{root}/{shared.file}", filesystem=system, format=made)
+            path = f"{root}/{shared.file}"
+            if shared.is_text:
+                data = ds.dataset(path, filesystem=system, format=_as_text(system, path))
+                names = data.schema.names
+            else:
+                once = (
+                    _footers if known.type == pa_fs.FileType.File else _footers.__wrapped__
+                )  # a folder tells no change
+                footers = once(self.place, path, shared.serial, known.size, known.mtime_ns)
+                names = footers[0].schema.names if footers else []
             for name in shared.columns:
-                if name not in data.schema.names:
-                    do = f"It has: {', '.join(data.schema.names)}"
+                if name not in names:
+                    do = f"It has: {', '.join(names)}"
                     raise DataError(f"no column {name!r}", shared.file, do=do, code="unknown_column")
-            column = ds.field(shared.serial)
-            if not pa.types.is_string(data.schema.field(shared.serial).type):
-                column = column.cast(pa.string())
             serials = sorted({key[0] for key in wanted})
-            here = column.isin(serials) & (column >= serials[0]) & (column <= serials[-1])
-            for table in _text_tables(data, here) if shared.is_text else _groups(data, here, system):
+            if shared.is_text:
+                tables = iter([data.to_table(filter=ds.field(shared.serial).isin(serials), use_threads=False)])
+            else:
+                tables = _groups(footers, serials, system)
+            for table in tables:
                 for key, rows in _rows_by_key(table, shared.columns).items():
                     if key in wanted:
                         found.setdefault(key, []).append(_Piece(table, rows))
@@ -535,18 +546,56 @@ def _as_text(system: pa_fs.FileSystem, path: str) -> ds.CsvFileFormat:
     return ds.CsvFileFormat(parse_options=parsed, convert_options=options, read_options=letters)
 
 
-def _text_tables(data: ds.Dataset, here: pc.Expression) -> Iterator[pa.Table]:
-    yield data.to_table(filter=here, use_threads=False)
+@dataclass(frozen=True, eq=False)
+class _Footer:
+    """What the end of a Parquet file says."""
+
+    path: str
+    metadata: pq.FileMetaData
+    schema: pa.Schema
+    ends: tuple[list[str], list[str]] | tuple[list[int], list[int]]  # Least and largest serial number of each group
+    unsaid: NDArray[np.bool_]  # Of which groups it does not say them
+
+    @classmethod
+    def of(cls, path: str, metadata: pq.FileMetaData, serial: str) -> _Footer:
+        """Return what is known of the groups of a file."""
+        groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
+        at = next((i for i in range(metadata.num_columns) if metadata.schema.column(i).path == serial), None)
+        said = [None if at is None else group.column(at).statistics for group in groups]
+        known = [(one.min, one.max) if one is not None and one.has_min_max else None for one in said]
+        schema = metadata.schema.to_arrow_schema()
+        for kind, none in ((str, ""), (int, 0)):
+            if any(known) and all(one is None or type(one[0]) is kind for one in known):
+                lows, highs = ([none if one is None else one[end] for one in known] for end in (0, 1))
+                return cls(path, metadata, schema, (lows, highs), np.array([one is None for one in known]))
+        return cls(path, metadata, schema, ([""] * len(known), [""] * len(known)), np.ones(len(known), dtype=bool))
+
+    def groups(self, serials: Sequence[str]) -> list[int]:
+        """Return the groups of rows that may hold some serial numbers, ascending, in order."""
+        lows, highs = self.ends
+        wanted: list[Any] = list(serials)
+        if lows and isinstance(lows[0], int):
+            wanted = sorted(int(one) for one in serials if WHOLE.fullmatch(one))
+        within = [bisect_right(wanted, high) > bisect_left(wanted, low) for low, high in zip(lows, highs, strict=True)]
+        return [int(one) for one in np.flatnonzero(np.array(within, dtype=bool) | self.unsaid)]
 
 
-def _groups(data: ds.Dataset, here: pc.Expression, system: pa_fs.FileSystem) -> Iterator[pa.Table]:
+@lru_cache(maxsize=8)
+def _footers(place: Place, path: str, serial: str, size: int | None, changed: int | None) -> tuple[_Footer, ...]:
+    """Return the footers of a Parquet file, or of those of a folder: of all units, so that each block needs few."""
+    data = ds.dataset(path, filesystem=place.opened()[0], format=ds.ParquetFileFormat())
+    return tuple(_Footer.of(one.path, one.metadata, serial) for one in data.get_fragments())
+
+
+def _groups(footers: Sequence[_Footer], serials: Sequence[str], system: pa_fs.FileSystem) -> Iterator[pa.Table]:
     """Yield the groups of rows of Parquet files that may hold what is looked for, by their statistics."""
-    texts = [one.name for one in data.schema if pa.types.is_string(one.type)]
-    for fragment in data.get_fragments():
-        groups = [group.id for part in fragment.split_by_row_group(here) for group in part.row_groups]
+    remote = not isinstance(system, pa_fs.LocalFileSystem)
+    for one in footers:
+        groups = one.groups(serials)
+        texts = [field.name for field in one.schema if pa.types.is_string(field.type)]
+        words = {"filesystem": system, "metadata": one.metadata, "read_dictionary": texts, "pre_buffer": remote}
         if groups:
-            remote = not isinstance(system, pa_fs.LocalFileSystem)
-            with pq.ParquetFile(fragment.path, filesystem=system, read_dictionary=texts, pre_buffer=remote) as file:
+            with pq.ParquetFile(one.path, **words) as file:
                 for group in groups:
                     yield file.read_row_group(group, use_threads=False)
 
