@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from .archiving import LotArchive
     from .study import Study
 
-MOST, SHARES = 25, 8  # units that are worked on together; blocks that a small lot is parted in
+MOST, SHARES = 50, 8  # units that are worked on together; blocks that a small lot is parted in
 NEVER_KEPT = frozenset({"unreachable", "worker_killed"})  # reasons that say nothing of the recordings: tried again
 SECOND = 1.0  # between two lines of progress
 FEW = 10  # units in quarantine that are shown
