@@ -125,8 +125,8 @@ def test_a_fault_of_the_program_ends_its_unit_alone_and_leaves_a_log(
     before, alone = kind.reduce, engine.prepare
     marked: dict[int, str] = {}
 
-    def prepare(campaign: Any, *rest: Any) -> Any:
-        found = alone(campaign, *rest)
+    def prepare(campaign: Any, *rest: Any, **more: Any) -> Any:
+        found = alone(campaign, *rest, **more)
         marked[id(found.readings)] = campaign.file.item.serial
         return found
 

@@ -152,10 +152,10 @@ def poisoned(monkeypatch: pytest.MonkeyPatch, serial: str, kill: Callable[[int],
     """Have a unit end the process that works on it."""
     alone = engine.prepare
 
-    def prepare(campaign: Any, *rest: Any) -> Any:
+    def prepare(campaign: Any, *rest: Any, **more: Any) -> Any:
         if campaign.file.item.serial == serial:
             kill(os.getpid())
-        return alone(campaign, *rest)
+        return alone(campaign, *rest, **more)
 
     monkeypatch.setattr(block_module, "prepare", prepare)
     yield
