@@ -12,14 +12,16 @@ from noise_records import exact_run
 from scipy import optimize, special
 
 from inertialcal.sensors.noise import _kernels as kernels
+from inertialcal.sensors.noise._kernels_chain import fill_longer
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
 from inertialcal.sensors.noise.fitting.limits import (
+    DOUBLINGS,
     Held,
+    Missing,
     end_of,
     interval_of,
-    limit_and_record,
-    longer_records,
-    wide_interval,
+    limits_and_records,
+    wide_intervals,
 )
 from inertialcal.sensors.noise.fitting.problem import Problem, problem_of
 from inertialcal.sensors.noise.terms import RandomWalk
@@ -57,7 +59,7 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
     problem, at = white(100)
     best = estimate(problem, WHITE)
     stretch = float(sandwich(problem, best, covariance_of_runs(problem, best)).stretch[0])
-    wide = wide_interval(problem, best, at, WHITE, stretch, 0.95)
+    (wide,) = wide_intervals(problem, best, [at], WHITE, [stretch], 0.95)
     assert wide.lo is not None
     assert wide.hi is not None
     for end in (wide.lo, wide.hi):
@@ -72,7 +74,8 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
 def test_the_degrees_of_freedom_of_a_longer_record_are_those_of_white_noise() -> None:
     short, long = (exact_run((RandomWalk(1.0),), n, 1.0) for n in (4096, 16384))
     at = [0, *range(4, len(long.edf) - 2)]  # between them neighbouring windows overlap by less than at the longest
-    _, roots = longer_records(short)
+    roots = np.empty((DOUBLINGS + 1, len(short.edf) + DOUBLINGS))
+    fill_longer(short.edf, DOUBLINGS, roots)
     np.testing.assert_allclose(2.0 * roots[2, : len(long.edf)][at] ** 2, long.edf[at], rtol=0.1)
     assert np.all(roots[2, len(long.edf) :] == 0.0)
 
@@ -100,8 +103,9 @@ def test_the_upper_limit_of_a_term_that_white_noise_hides(name: str, share: floa
     found = share * named
     problem = replace(plain, variance=a + found * b)
     best = estimate(problem, WHITE)
-    limit, _, base = limit_and_record(problem, best, at, covariance_of_runs(problem, best))
-    assert base is best
+    missing = [Missing(at, best.position)]
+    ((limit, _, beside_rival),) = limits_and_records(problem, best, missing, covariance_of_runs(problem, best))
+    assert not beside_rival
     assert limit is not None
 
     def cost(log_white: float, power: float) -> float:

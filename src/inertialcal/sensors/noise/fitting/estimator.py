@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from scipy import special
@@ -54,7 +54,7 @@ from ..terms import (
 from .filtered import Band
 from .goodness import MOST, SIGNIFICANT, ChiSquare, agreement_test, misfit_of, residual_test
 from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, sandwich, terms_of, time_at
-from .limits import interval_of, limit_and_record, wide_interval
+from .limits import Missing, interval_of, limits_and_records, wide_intervals
 from .noise_fit import NoiseFit, Parameter, Rival, TermEstimate
 from .order import NAMES, NEARER, PLAUSIBLE, PRICE, SUPPLE, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, inside, problem_of, run_of, unit_of, with_misfit
@@ -127,7 +127,8 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
     """Return a solution as users see it: the terms found, those that are not, and the tests."""
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
-    missed = tuple(not_identified(solution, name) for name in wanted if name not in present(fitted))
+    there = present(fitted)
+    missed = not_identified(solution, [name for name in wanted if name not in there])
     residual = solution.residual
     if problem is not plain:
         residual = residual_test(plain, fitted, covariance_of_runs(plain, fitted))
@@ -165,7 +166,7 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
                 what = f"{', '.join(candidates)} cannot give this Allan deviation"
                 do = 'Add "random_walk", or let the terms be chosen'
                 raise DataError(what, why="they are zero where it is not", do=do, code="wrong_terms")
-            table = (Choice(candidates, criterion(candidates, alone), alone),)
+            table = (Choice(candidates, criterion(candidates, alone), *alone),)
         fitted = estimate(problem, table[0].terms)
         if all(isinstance(term, RateRamp | Sinusoid) for term in terms_of(problem, fitted)):
             what, why = "the terms are a ramp or a line alone, without noise", "nothing would scatter"
@@ -347,9 +348,8 @@ def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     problem, powers = solution.problem, solution.fitted.powers
     u, point = solution.bread.u, float(special.ndtri(0.5 * (1.0 + solution.p)))
     found = []
-    for column, at in enumerate(np.flatnonzero(powers > 0.0).tolist()):
+    for column, (at, interval) in enumerate(_intervals(solution)):
         size = float(np.sqrt(powers[at]))
-        interval = _interval(solution, at, column)
         half = 0.0 if interval.hi is None else 0.5 * (interval.hi - (interval.lo or 0.0)) / point
         first = (size, max(float(0.5 * u[column] / size), half), interval)
         if at == len(problem.names):
@@ -377,21 +377,30 @@ class EstimatedAt:
         return estimated(replace(self.solution, p=p))
 
 
-def _interval(solution: Solution, at: int, column: int) -> Interval:
-    """Return the interval of a size, with the terms free that were not chosen but may be there."""
-    problem, fitted = solution.problem, solution.fitted
-    own = interval_of(problem, fitted, at, solution.bread, solution.p)
-    if len(LINEAR) <= at < len(problem.names):  # a line
-        return Interval(_root(own.lo), _root(own.hi), solution.p)
-    name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
-    stretch = float(solution.bread.stretch[column])
-    wide = wide_interval(problem, fitted, at, solution.free, stretch, solution.p)
-    lo = min(own.lo or 0.0, wide.lo or 0.0)
-    hi = None if own.hi is None or wide.hi is None else max(own.hi, wide.hi)
-    without = [{*one.terms} for one in solution.rivals if name not in one.terms]
-    if name not in FAST and any(name in SUPPLE or not SUPPLE & terms - {*present(fitted)} for terms in without):
-        lo = 0.0
-    return Interval(_root(lo), _root(hi), solution.p)
+def _intervals(solution: Solution) -> list[tuple[int, Interval]]:
+    """Return places of powers and intervals of sizes, with the terms free that were not chosen but may be there."""
+    problem, fitted, bread, p = solution.problem, solution.fitted, solution.bread, solution.p
+    ats: list[int] = np.flatnonzero(fitted.powers > 0.0).tolist()
+    last, stretch = len(problem.names), bread.stretch.tolist()
+    wanted = [column for column, at in enumerate(ats) if at < len(LINEAR) or at == last]  # not a line
+    wide = wide_intervals(
+        problem, fitted, [ats[i] for i in wanted], solution.free, [stretch[i] for i in wanted], p
+    )  # fmt: skip
+    of = dict(zip(wanted, wide, strict=True))
+    without = [{*one.terms} for one in solution.rivals]
+    found = []
+    for column, at in enumerate(ats):
+        own = interval_of(problem, fitted, at, bread, p)
+        lo, hi = own.lo, own.hi
+        if column in of:
+            name, more = problem.names[at] if at < last else GAUSS_MARKOV, of[column]
+            lo = min(lo or 0.0, more.lo or 0.0)
+            hi = None if hi is None or more.hi is None else max(hi, more.hi)
+            fewer = [terms for terms in without if name not in terms] if name not in FAST else []
+            if any(name in SUPPLE or not SUPPLE & terms - {*present(fitted)} for terms in fewer):
+                lo = 0.0
+        found.append((at, Interval(_root(lo), _root(hi), p)))
+    return found
 
 
 def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
@@ -408,30 +417,57 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
     return TermEstimate(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
 
 
-def not_identified(solution: Solution, name: str) -> TermEstimate:
-    """Return a term that the record does not show: the reason, an upper limit, and the record that would show it."""
-    problem, fitted, first = solution.problem, solution.fitted, TERMS[name].parameters[0]
-    words = tuple(quantity_name(name, word, solution.kind) for word in TERMS[name].parameters)
-    unit, record = parameter_unit(name, first, solution.unit), problem.length
-    if name not in solution.candidates:
-        code = "like_filter" if any(run.band is not None for run in problem.runs) else "like_white"
-        return TermEstimate(name, "not_identified", (), words, code, unit=unit, record=record)
-    at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
-    chosen = solution.table[0]
-    other = _rival(solution, name, lambda choice: name in choice.terms)
-    rival = None if other is None else other.fitted
-    if name == GAUSS_MARKOV:
-        best = estimate(problem, (*present(fitted), GAUSS_MARKOV))  # where it hides best, else the middle
-        middle = 0.5 * (len(problem.table) - 1.0)
-        fitted = Fitted(fitted.powers, best.position if best.powers[-1] > 0.0 else middle, fitted.cost)
-        alone = tuple(one for one in chosen.terms if one in FAST)
-        if rival is None and alone != chosen.terms:  # in place of what wanders
-            instead = estimate(problem, (*alone, GAUSS_MARKOV))
-            behind = criterion((*alone, GAUSS_MARKOV), instead) - chosen.criterion
-            rival = instead if behind < PLAUSIBLE and instead.powers[-1] > 0.0 else None
-    power, needed, base = limit_and_record(problem, fitted, at, solution.sigma, rival)
-    if name == GAUSS_MARKOV:
-        limit_at = time_at(problem, base.position)
+def not_identified(solution: Solution, names: Sequence[str]) -> tuple[TermEstimate, ...]:
+    """Return terms that the record does not show: the reason, an upper limit, and the record that would show it."""
+    problem, candidates, rivals = solution.problem, solution.candidates, {}
+    missing: dict[str, Missing] = {}
+    for name in names:
+        if name in candidates:
+            other = rivals[name] = _rival(solution, name, lambda choice, name=name: name in choice.terms)
+            rival = None if other is None else other.fitted
+            missing[name] = (
+                _hidden_markov(solution, rival)
+                if name == GAUSS_MARKOV
+                else Missing(NAMES.index(name), solution.fitted.position, rival)
+            )
+    limits: dict[str, tuple[float | None, float | None, bool]] = {}
+    if missing:
+        known = limits_and_records(problem, solution.fitted, [*missing.values()], solution.sigma)
+        limits = dict(zip(missing, known, strict=True))
+    return tuple(
+        _not_identified(solution, name, missing[name], rivals[name], *limits[name])
+        if name in limits
+        else _like_another(solution, name)
+        for name in names
+    )
+
+
+def _hidden_markov(solution: Solution, rival: Fitted | None) -> Missing:
+    """Return Gauss-Markov noise at the correlation time where it hides best, else at the middle of those tried."""
+    problem, fitted, chosen = solution.problem, solution.fitted, solution.table[0]
+    best = estimate(problem, (*present(fitted), GAUSS_MARKOV))
+    position = best.position if best.powers[-1] > 0.0 else 0.5 * (len(problem.table) - 1.0)
+    alone = tuple(one for one in chosen.terms if one in FAST)
+    if rival is None and alone != chosen.terms:  # in place of what wanders
+        instead = estimate(problem, (*alone, GAUSS_MARKOV))
+        behind = criterion((*alone, GAUSS_MARKOV), instead) - chosen.criterion
+        rival = instead if behind < PLAUSIBLE and instead.powers[-1] > 0.0 else None
+    return Missing(len(problem.names), position, rival)
+
+
+def _like_another(solution: Solution, name: str) -> TermEstimate:
+    """Return a term that is no candidate: it looks like white noise, or like the filter."""
+    code = "like_filter" if any(run.band is not None for run in solution.problem.runs) else "like_white"
+    words, unit = _words(name, solution.kind, solution.unit)
+    return TermEstimate(name, "not_identified", (), words, code, unit=unit, record=solution.problem.length)
+
+
+def _not_identified(
+    solution: Solution, name: str, missing: Missing, other: Choice | None, power: float | None, needed: float | None,
+    beside_rival: bool,
+) -> TermEstimate:  # fmt: skip
+    problem, chosen = solution.problem, solution.table[0]
+    record = problem.length
     added = next((choice for choice in solution.table if name in choice.terms), None)
     worse = None if added is None else added.criterion - chosen.criterion
     lost: tuple[str, ...] = ()
@@ -446,9 +482,21 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
         code = "no_record"
     else:
         code = "too_short" if needed > record else "small"
+    limit_at = None
+    if name == GAUSS_MARKOV:
+        rival = missing.rival if beside_rival else None
+        limit_at = time_at(problem, missing.position if rival is None else rival.position)
+    words, unit = _words(name, solution.kind, solution.unit)
     return TermEstimate(
         name, "not_identified", (), words, code, lost, worse, _root(power), unit, needed, record, limit_at
     )
+
+
+@cache
+def _words(name: str, kind: Kind | None, unit: str) -> tuple[tuple[str, ...], str]:
+    """Return the field's words of the parameters of a term, and the unit of the first."""
+    words = TERMS[name].parameters
+    return tuple(quantity_name(name, word, kind) for word in words), parameter_unit(name, words[0], unit)
 
 
 def _rival(solution: Solution, name: str, wanted: Callable[[Choice], bool]) -> Choice | None:

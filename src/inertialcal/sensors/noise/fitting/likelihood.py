@@ -23,31 +23,27 @@ References
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from inspect import unwrap
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_sandwich, score_each, scored, searched
+from .._kernels import fill_sandwich
+from .._kernels_chain import fit_of
 from .._kernels_limits import fill_bread, interpolate
 from ..terms import GaussMarkov, Sinusoid, Term
 from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
 from .spread import NONE, Spread, spread_of, spread_with
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
-FEW = 400  # searches: after so many it pays to compile the search too; plain, it finds the same to the last bit
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
 
-_searches = itertools.count()
 
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
+class Fitted(NamedTuple):
     """Least cost of one choice of terms."""
 
     powers: Array  # shape (p + 1,): Squared coefficients; that of Gauss-Markov noise is sigma^2, last
@@ -64,58 +60,35 @@ def estimate(
     within: tuple[float, float] | None = None,
 ) -> Fitted:
     """Return the least cost of a choice of terms; lines are always part of it."""
-    at, D = _design(problem, tuple(wanted))
-    powers = np.zeros(len(at))
-    args = problem.variance, problem.weight, at.index(held) if held >= 0 else -1, value, powers
-    if GAUSS_MARKOV not in wanted:
-        position, cost = 0.0, scored(D, *args, False)
-    else:
-        lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
-        search = searched if next(_searches) >= FEW else unwrap(searched)
-        position, cost = search(D.copy(), problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
-    every = np.zeros(len(problem.names) + 1)
-    every[at] = powers
-    return Fitted(every, position, cost)
+    lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
+    powers = np.empty(len(problem.names) + 1)
+    some = terms_wanted(tuple(wanted), len(problem.lines))
+    position, cost = fit_of(problem.arrays, some, held, value, lo, hi, SPACINGS[: 1 + looks], powers)
+    return Fitted(powers, position, cost)
 
 
-def estimate_each(problem: Problem, wanted: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return powers, shape (c, p + 1), and least costs of choices of linear terms, shape (c, 5), and lines."""
-    lines = np.ones((len(wanted), len(problem.lines)), dtype=bool)
-    powers, costs = np.zeros((len(wanted), len(problem.names) + 1)), np.empty(len(wanted))
-    score_each(problem.columns, problem.variance, problem.weight, np.hstack([wanted, lines]), powers, costs)
-    return powers, costs
+@lru_cache(64)  # few, again and again
+def terms_wanted(wanted: tuple[str, ...], lines: int) -> NDArray[np.bool_]:
+    """Return which of all terms take part, shape (p + 1,), lines among them, not to be changed."""
+    names = [*(term.name for term in LINEAR), *[None] * lines, GAUSS_MARKOV]
+    return np.array([name is None or name in wanted for name in names])
 
 
 def loop_of(
     problem: Problem, wanted: tuple[str, ...], held: int, within: tuple[float, float]
 ) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
     """Return what loops take that hold an unknown of a choice of terms: see ``_kernels.held_cost``."""
-    at, D = _design(problem, wanted)
+    at = np.flatnonzero(terms_wanted(wanted, len(problem.lines))).tolist()
+    D = np.column_stack([problem.columns, np.zeros(len(problem.columns))])[:, at].copy()
     lo, hi = within
     spacings = SPACINGS[: (2 if hi > lo else 1) if GAUSS_MARKOV in wanted else 0]
     place = at.index(held) if held <= len(problem.names) else -1
-    return D.copy(), problem.table, float(lo), float(hi), spacings, problem.variance, problem.weight, place
+    return D, problem.table, float(lo), float(hi), spacings, problem.variance, problem.weight, place
 
 
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:
     """Return the least cost at one correlation time."""
     return estimate(problem, wanted, within=(position, position))
-
-
-def places_of(problem: Problem, wanted: tuple[str, ...]) -> list[int]:
-    """Return the places of the powers of a choice of terms among all, not to be changed."""
-    return _design(problem, wanted)[0]
-
-
-@lru_cache(64)  # a fit asks for the same again and again
-def _design(problem: Problem, wanted: tuple[str, ...]) -> tuple[list[int], Array]:
-    """Return places of the terms, and their columns, not to be changed; Gauss-Markov noise last, its column empty."""
-    first = len(problem.names) - len(problem.lines)
-    at = [i for i, name in enumerate(problem.names) if name in wanted or i >= first]
-    every = [*at, len(problem.names)] if GAUSS_MARKOV in wanted else at
-    D = np.zeros((len(problem.columns), len(every)))
-    D[:, : len(at)] = problem.columns[:, at]
-    return every, D
 
 
 def column_at(problem: Problem, position: float) -> Array:

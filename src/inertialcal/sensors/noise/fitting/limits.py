@@ -33,18 +33,21 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import crossing_root, first_known
-from .._kernels_limits import end_from, hidden, limit_from, ruled_out, stretch_at
+from .._kernels import crossing_root
+from .._kernels_chain import fill_ends, fill_limits
 from ..terms import Sinusoid
-from .filtered import SHAPE
+from .filtered import SHAPE, Band
 from .likelihood import (
     SINGULAR,
     SPACINGS,
@@ -54,14 +57,25 @@ from .likelihood import (
     estimate,
     estimate_at,
     loop_of,
-    places_of,
     sandwich,
-    spread_at,
+    terms_wanted,
     time_at,
+    unit_terms,
 )
 from .order import NAMES, PRICE, present, unknowns
-from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem, Run, expected, exponentials_of, linear_columns
-from .spread import HIDDEN, SAME_TAU
+from .problem import (
+    GAUSS_MARKOV,
+    LINEAR,
+    PER_E,
+    Problem,
+    Run,
+    Sampling,
+    expected,
+    exponentials_of,
+    linear_columns,
+    run_that_took,
+)
+from .spread import HIDDEN, SAME_TAU, Arrays, spread_of, spread_with
 
 SMALLEST = 1e-9  # of the most that there is room for: a power that is not there
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
@@ -73,59 +87,77 @@ ROUGH = 0.1  # the same, where the stretch is taken
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 FIRST_STEP = 0.01  # of the logarithm of a power, towards an end
 ROUNDING = 1e-15  # of the largest eigenvalue: directions that nothing tells of
+RULES = PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR
+CLOSENESS = NEARBY, ROUGH, TOLERANCE
+# By how much the criterion falls with each term besides white noise where it is named
+NAMED_BY = tuple(PRICE * (unknowns((NAMES[1], name)) - 1.0) for name in (*NAMES, GAUSS_MARKOV))
 
 
-def limit_and_record(
-    problem: Problem, fitted: Fitted, at: int, sigma: Array, rival: Fitted | None = None
-) -> tuple[float | None, float | None, Fitted]:
-    """Return the one-sided 95 % upper limit of the power of a term that was not chosen [unit^2], and the record needed.
+class Missing(NamedTuple):
+    """A term that was not chosen."""
+
+    at: int  # Its place among the powers
+    position: float  # Of the correlation time in the table
+    rival: Fitted | None = None  # A choice with it that is nearly as good
+
+
+def limits_and_records(
+    problem: Problem, fitted: Fitted, missing: Sequence[Missing], sigma: Array
+) -> list[tuple[float | None, float | None, bool]]:
+    """Return what is to be said of the powers of terms that were not chosen.
 
     Returns
     -------
     limit : float or None
-        None where there is none.
+        One-sided 95 % upper limit [unit^2]; None where there is none.
     record : float or None
         Length of one record that shows a term of that power [s]; None beyond 2^24 times the present one.
-    base : Fitted
-        The choice that the limit holds next to: the one given, or its rival.
+    beside_rival : bool
+        Whether the limit holds next to the terms of the rival.
     """
-    linear = at < len(problem.names)
-    u, stretch = hidden(
-        problem.columns, problem.table, problem.weight, fitted.powers, fitted.position, at, SMALLEST, PER_E, sigma,
-        SINGULAR,
-    )  # fmt: skip
-    if np.isnan(u):  # the term has no part in any deviation, or all of one
-        return None, None, fitted
-    name = problem.names[at] if linear else GAUSS_MARKOV
-    named = u * float(np.sqrt(PRICE * (unknowns((*NAMES[1:2], name)) - 1.0) / stretch))
-    limit, stretch = _limit(problem, fitted, at, (u, stretch), named)
-    if limit is None:
-        return None, None, fitted
-    base = fitted
-    if rival is not None:
-        other, _ = _limit(problem, rival, at, (u, stretch), None)
-        if other is not None and other > limit:
-            limit, base = other, rival
-    return limit, record_needed(problem, fitted, at, limit, stretch), base
+    none, count = np.zeros(len(fitted.powers)), len(problem.names)
+    run = max(problem.runs, key=lambda one: one.length) if len(problem.runs) > 1 else problem.runs[0]
+    markov = [one for one in missing if one.at == count]
+    position = markov[0].position if markov else fitted.position
+    longest = columns_of_longest(problem, run, fitted, position if markov or fitted.powers[-1] > 0.0 else None)
+    found = np.empty((len(missing), 4))
+    ats, positions = np.array([one.at for one in missing]), np.array([one.position for one in missing])
+    rivals = [none if one.rival is None else one.rival.powers for one in missing]
+    rival_at = np.array([0.0 if one.rival is None else one.rival.position for one in missing])
+    named = np.array([NAMED_BY[min(one.at, len(LINEAR))] for one in missing])
+
+    def fill(plain: Arrays, beside: Arrays, beside_at: float, there: NDArray[np.bool_], first: int, to: Array) -> int:
+        return fill_limits(
+            problem.arrays, problem.misfit, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
+            len(problem.lines), fitted.powers, positions, ats, sigma, SMALLEST, named, np.array(rivals), rival_at,
+            longest, run.edf, DOUBLINGS, KNOWN, ROUNDING, first, found, to,
+        )  # fmt: skip
+
+    likely = fitted
+    if markov:
+        powers = fitted.powers.copy()
+        powers[-1] = 1.0
+        likely = Fitted(powers, position, fitted.cost)
+    complete(problem, fill, 2 * len(missing), likely)
+    return [
+        (None if math.isnan(limit) else limit, run.length * 2.0**more if more <= DOUBLINGS else None, rival > 0.0)
+        for limit, more, rival, _ in found.tolist()
+    ]
 
 
-def _limit(
-    problem: Problem, fitted: Fitted, at: int, scale: tuple[float, float], named: float | None
-) -> tuple[float | None, float]:
-    """Return the upper limit of a power next to the terms of a choice, and the stretch there."""
-    (u, stretch), missed, linear = scale, named is not None, at < len(problem.names)
-    wanted = fitted.powers > 0.0
-    wanted[len(LINEAR) : -1] = wanted[at] = True
-    near, powers = NEARBY if linear else 0.0, np.empty(len(wanted))
-    loop = (problem.columns, problem.table, problem.variance, problem.weight, wanted, fitted.position, near, SPACINGS)
-    x, best, least, short, position = ruled_out(*loop, at, u, named or 0.0, stretch, missed, ROUGH, powers)
-    if np.isnan(x):
-        return None, stretch
-    stretch = stretch_of(problem, Fitted(powers, position, np.nan), at, linear)
-    if not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
-        return None, stretch
-    x = limit_from(*loop, at, u, best, least, short, missed, stretch, TOLERANCE)
-    return (None if np.isnan(x) else best + x * u), stretch
+def complete(problem: Problem, fill: Callable[..., int], count: int, likely: Fitted) -> None:
+    """Let a chain do all its steps, with the covariance of those powers beside Gauss-Markov noise that it meets.
+
+    Those that it will meet first are ``likely``.
+    """
+    plain, ended, first = spread_of(problem.runs, problem.lines).arrays, np.empty(len(problem.names) + 2), 0
+    beside, position, there = plain, np.nan, likely.powers > 0.0
+    while first < count:
+        if there[-1]:
+            beside, position = spread_with(problem.runs, unit_terms(problem, likely)).arrays, likely.position
+        first = fill(plain, beside, position, there, first, ended)
+        likely = Fitted(ended[:-1].copy(), float(ended[-1]), np.nan)
+        there = likely.powers > 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +168,6 @@ class Held:
     names: tuple[str, ...]
     at: int
     within: tuple[float, float]  # Positions of the correlation time that are searched
-
-    @property
-    def places(self) -> list[int]:
-        """Where the powers of the choice stand among all."""
-        return places_of(self.problem, self.names)
 
     @cached_property
     def loop(self) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
@@ -164,46 +191,31 @@ class Held:
         return None if np.isnan(found) else found
 
 
-def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:
-    """Return the length of one record that shows a term of that power [s]; None beyond 2^24 times the present one."""
-    run, longest, columns, weight = longest_of(problem)
-    powers = fitted.powers.copy()
-    powers[at] = power
-    lines = zip(problem.lines, powers[len(LINEAR) : -1].tolist(), strict=True)
-    more = [expected(Sinusoid(1.0, frequency), longest) for frequency, size in lines if size > 0.0]
-    if powers[-1] > 0.0:
-        more += [*exponentials_of(np.array([time_at(problem, fitted.position)]), longest)]
-    if more:
-        columns = np.column_stack([columns, *more])
-    kept = np.concatenate([powers[: len(LINEAR)], powers[len(LINEAR) :][powers[len(LINEAR) :] > 0.0]])
-    doublings = first_known(columns, kept, weight, column_of(fitted, at), KNOWN**2 / stretch, ROUNDING)
-    return run.length * 2.0**doublings if doublings <= DOUBLINGS else None
+def columns_of_longest(problem: Problem, run: Run, fitted: Fitted, position: float | None) -> Array:
+    """Return the Allan variance of each term of size 1 in a record 2^24 times as long as a run, shape (k + 24, p + 1).
 
-
-@lru_cache(2)
-def longest_of(problem: Problem) -> tuple[Run, Run, Array, Array]:
-    """Return the longest run, `longer_records` of it, and the columns of linear terms there; not to be changed."""
-    run = max(problem.runs, key=lambda one: one.length)
-    longest, weight = longer_records(run)
-    return run, longest, linear_columns(longest), weight
-
-
-def longer_records(run: Run) -> tuple[Run, Array]:
-    """Return a record 2^24 times as long, and roots of half the degrees of freedom of records of 2^0 .. 2^24 times it.
-
-    Those go with length over tau; a record of each length has an octave more than the one before. Shape (25, k + 24),
-    zero at averaging times that a record does not have; not to be changed.
+    Lines and Gauss-Markov noise have zeros where they take no part.
     """
-    more = np.arange(DOUBLINGS + 1)
-    m = np.concatenate([run.m, run.m[-1] * 2.0 ** more[1:]])
+    longest, linear = _longest(run.taken[0], run.band)
+    columns = np.zeros((len(longest.m), len(fitted.powers)))
+    columns[:, : len(LINEAR)] = linear
+    for i, frequency in enumerate(problem.lines):
+        if fitted.powers[len(LINEAR) + i] > 0.0:
+            columns[:, len(LINEAR) + i] = expected(Sinusoid(1.0, frequency), longest)
+    if position is not None:
+        columns[:, -1] = exponentials_of(np.array([time_at(problem, position)]), longest)[0]
+    return columns
+
+
+@lru_cache(16)  # records of one length share it
+def _longest(sampling: Sampling, band: Band | None) -> tuple[Run, Array]:
+    """Return a record 2^24 times as long, and the columns of linear terms there; not to be changed."""
+    run = run_that_took((sampling, b"", band, None))
+    m = np.concatenate([run.m, run.m[-1] * 2.0 ** np.arange(1, DOUBLINGS + 1)])
     ones = np.ones(len(m))
     inflation = np.concatenate([run.inflation, ones[:DOUBLINGS]])
     longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation, band=run.band)
-    at, doublings = np.arange(len(m)), more[:, None]
-    back = np.minimum(at, doublings)
-    there = at < len(run.m) + doublings
-    weight = 0.5 * run.edf[np.where(there, at - back, 0)] * 2.0 ** (doublings - back)
-    return longest, np.sqrt(np.where(there, weight, 0.0))
+    return longest, linear_columns(longest)
 
 
 def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: float) -> Interval:
@@ -231,43 +243,25 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     return Interval(none if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
 
 
-def wide_interval(
-    problem: Problem, fitted: Fitted, at: int, names: tuple[str, ...], stretch: float, p: float
-) -> Interval:
-    """Return the interval of a power with more terms free than were chosen; it holds what was estimated [unit^2]."""
-    within = nearby(problem, fitted)
-    least = estimate(problem, names, within=within)
-    if fitted.cost < least.cost:
-        least = fitted
-    own = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
-    without = estimate(problem, tuple(name for name in names if name != own), looks=1)
-    start, best = float(fitted.powers[at]), float(least.powers[at])
-    target = float(special.chdtri(1.0, 1.0 - p))
-    wanted, powers = np.zeros(len(fitted.powers), dtype=bool), np.empty(len(fitted.powers))
-    wanted[places_of(problem, names)] = True
-    loop = (problem.columns, problem.table, problem.variance, problem.weight, wanted, fitted.position, NEARBY, SPACINGS)
+def wide_intervals(
+    problem: Problem, fitted: Fitted, ats: Sequence[int], names: tuple[str, ...], stretches: Sequence[float], p: float
+) -> list[Interval]:
+    """Return intervals of powers with more terms free than were chosen; they hold what was estimated [unit^2]."""
+    target, found = float(special.chdtri(1.0, 1.0 - p)), np.empty((len(ats), 2))
+    at, stretch, free = np.array(ats), np.array(stretches), terms_wanted(names, len(problem.lines))
 
-    def end(first: float, furthest: float) -> float | None:
-        given, step = (*loop, at, PER_E, start), math.copysign(FIRST_STEP, furthest)
-        x, position = end_from(*given, first, least.cost, step, target * stretch, furthest, ROUGH, powers)
-        if np.isnan(x):
-            return None
-        own = target * stretch_of(problem, Fitted(powers, position, np.nan), at)
-        x, _ = end_from(*given, first, least.cost, step, own, furthest, TOLERANCE, powers)
-        return None if np.isnan(x) else start * math.exp(first + x)
+    def fill(plain: Arrays, beside: Arrays, beside_at: float, there: NDArray[np.bool_], first: int, to: Array) -> int:
+        return fill_ends(
+            problem.arrays, problem.misfit, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there, free,
+            fitted.powers, fitted.position, fitted.cost, at, stretch, target, FIRST_STEP, WIDEST, first, found, to,
+        )  # fmt: skip
 
-    ratio = float(np.log(best / start)) if best > 0.0 else -WIDEST
-    absent = best <= 0.0 or 2.0 * (without.cost - least.cost) < target * stretch
-    lo = None if absent else end(min(ratio, 0.0), -WIDEST)
-    return Interval(lo or 0.0, end(max(ratio, 0.0), WIDEST), p)
-
-
-def stretch_of(problem: Problem, fitted: Fitted, at: int, timed: bool = True) -> float:
-    """Return the stretch of a power, with the covariance that the fitted terms imply."""
-    return stretch_at(
-        problem.columns, problem.table, problem.weight, fitted.powers, fitted.position, at, timed, PER_E,
-        *spread_at(problem, fitted).arrays, HIDDEN, SHAPE, problem.tau, SAME_TAU, problem.misfit, SINGULAR,
-    )  # fmt: skip
+    complete(problem, fill, 2 * len(ats), fitted)
+    none = np.isnan(found).tolist()
+    return [
+        Interval(0.0 if low else lo, None if open_ else hi, p)
+        for (lo, hi), (low, open_) in zip(found.tolist(), none, strict=True)
+    ]
 
 
 def end_of(

@@ -13,16 +13,17 @@ noise where there is dead time) are not both candidates.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
+from .._kernels_chain import fill_ranked
 from ..terms import Quantization, RandomWalk, RateRamp
-from .likelihood import Fitted, estimate, estimate_each
+from .likelihood import SPACINGS, Fitted, terms_wanted
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom
@@ -33,24 +34,32 @@ RAMP_COUNTS = 1  # unknowns that a ramp counts beyond its own
 
 NAMES = tuple(term.name for term in LINEAR)
 BITS = 2 ** np.arange(len(NAMES))
+MOST = 2 ** (len(NAMES) + 1)  # choices, each with Gauss-Markov noise and without
 SUPPLE = frozenset({RateRamp.name, GAUSS_MARKOV})  # give much of what a walk gives: an unknown more fits any record
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """One choice of terms."""
 
     terms: tuple[str, ...]  # Their names
     criterion: float  # Less is better; differences alone mean something
-    fitted: Fitted  # Their sizes
+    # Their sizes
+    powers: Array
+    position: float
+    cost: float
+
+    @property
+    def fitted(self) -> Fitted:
+        """Their sizes."""
+        return Fitted(*self[2:])
 
 
 @cache
-def choices(candidates: tuple[str, ...]) -> tuple[tuple[tuple[str, ...], ...], NDArray[np.bool_]]:
-    """Return all choices of linear candidates, the smallest first, and which of all each holds, shape (c, 5)."""
+def choices(candidates: tuple[str, ...], lines: int) -> NDArray[np.bool_]:
+    """Return which terms each choice of linear candidates holds, the smallest first, with lines, shape (c, p)."""
     linear = tuple(name for name in NAMES if name in candidates)
-    found = tuple(some for size in range(1, len(linear) + 1) for some in combinations(linear, size))
-    return found, np.array([[name in some for name in NAMES] for some in found]).reshape(-1, len(NAMES))
+    found = (some for size in range(1, len(linear) + 1) for some in combinations(linear, size))
+    return np.array([terms_wanted(some, lines)[:-1] for some in found]).reshape(-1, len(NAMES) + lines)
 
 
 def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
@@ -58,30 +67,14 @@ def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
 
     With Gauss-Markov noise, those are left out that could not be nearly best: no choice has less cost than all terms.
     """
-    linear, wanted_each = choices(candidates)
-    powers, costs = estimate_each(problem, wanted_each)
-    names = named_each(powers)
-    fits: dict[tuple[str, ...], Fitted] = {}
-    for i in np.argsort(costs, kind="stable").tolist():
-        if names[i] and names[i] not in fits and costs[i] < np.inf:
-            fits[names[i]] = Fitted(powers[i], 0.0, float(costs[i]))
-
-    def add(fitted: Fitted) -> Fitted:
-        there = present(fitted)
-        if there and np.isfinite(fitted.cost) and (there not in fits or fitted.cost < fits[there].cost):
-            fits[there] = fitted
-        return fitted
-
-    if GAUSS_MARKOV in candidates:
-        every = add(estimate(problem, candidates, looks=1))
-        best = min(criterion(there, fitted) for there, fitted in fits.items())
-        for some in linear:
-            wanted = (*some, GAUSS_MARKOV)
-            plain = RandomWalk.name in some or RandomWalk.name not in candidates
-            if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best + NEARER:
-                add(estimate(problem, wanted, looks=1))
-    found = [Choice(there, criterion(there, fitted), fitted) for there, fitted in fits.items()]
-    return tuple(sorted(found, key=lambda choice: choice.criterion))
+    lines = len(problem.lines)
+    powers, (positions, costs, criteria) = np.empty((MOST, len(problem.names) + 1)), np.empty((3, MOST))
+    count = fill_ranked(
+        problem.arrays, choices(candidates, lines), terms_wanted(candidates, lines), SPACINGS[:2], PRICE, NEARER,
+        powers, positions, costs, criteria,
+    )  # fmt: skip
+    own = named_each(powers[:count]), criteria[:count].tolist(), powers, positions.tolist(), costs.tolist()
+    return tuple(map(Choice, *own))
 
 
 @cache

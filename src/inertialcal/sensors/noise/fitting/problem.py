@@ -63,6 +63,11 @@ class Problem:
         return np.concatenate([run.tau for run in self.runs])
 
     @cached_property
+    def arrays(self) -> tuple[Array, Array, Array, Array, Array]:
+        """What ``_kernels_chain`` takes of it."""
+        return self.columns, self.table, self.variance, self.weight, self.tau
+
+    @cached_property
     def length(self) -> float:
         """Length of the longest run [s]."""
         return max(run.length for run in self.runs)

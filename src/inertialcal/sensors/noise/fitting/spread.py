@@ -22,6 +22,9 @@ from .problem import COMPLETE, LINEAR, Run, Taken, run_that_took
 
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 NONE = np.empty(0)
+Arrays = tuple[
+    Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array
+]  # As ``fill_spread`` takes them
 HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
 
 
@@ -40,7 +43,7 @@ class Spread:
     doubt: Array  # shape (r, 2, 2): Covariance of these
 
     @cached_property
-    def arrays(self) -> tuple[Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array]:
+    def arrays(self) -> Arrays:
         """All of these, as ``_kernels.fill_spread`` takes them."""
         return self.squares, self.row, self.column, self.run, self.found, self.lost, self.by, self.doubt
 
