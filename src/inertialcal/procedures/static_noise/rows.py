@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, get_args
 
@@ -21,7 +22,7 @@ from ...core.influence import Standards
 from ...core.key import At, Key, Kind, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import FILE_UNIT, normalise
-from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
+from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration, rows_of
 from ...sensors.noise.terms import (
     POWERS_OF_TIME,
     TERMS,
@@ -166,7 +167,9 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     one = next((axis for axis in result.axes if axis.axis == row.axis), None)
     if one is None or one.fit is None:
         return None
-    found = next((other for other in one.fit.at(p).rows(row.axis) if other.quantity == row.quantity), None)
+    terms = chain(one.fit.estimated_at(p), (term for term in one.fit.found if term.status != "estimated"))
+    same = (other for other in rows_of(terms, one.fit.fit_warnings, row.axis) if other.quantity == row.quantity)
+    found = next(same, None)
     return None if found is None else widened(found, result.plan.standards).interval
 
 

@@ -495,8 +495,8 @@ def crossing_root(
 
 
 @compiled
-def invert(A: Array, least: float) -> None:
-    """Put the pseudo-inverse of a symmetric matrix in its place, without eigenvalues up to ``least`` of the largest.
+def rotate(A: Array, V: Array) -> None:
+    """Leave the eigenvalues of a symmetric matrix on its diagonal, and turn columns of V into its eigenvectors.
 
     By rotations that make one pair of elements vanish at a time [1]_.
 
@@ -505,7 +505,6 @@ def invert(A: Array, least: float) -> None:
     .. [1] C. G. J. Jacobi, J. reine angew. Math. 30 (1846) 51.
     """
     q = len(A)
-    V = np.eye(q)
     for _ in range(MOST_SWEEPS):
         off = diagonal = 0.0
         for i in range(q):
@@ -530,6 +529,14 @@ def invert(A: Array, least: float) -> None:
                     A[j, k], A[i, k] = c * one - s * other, s * one + c * other
                     one, other = V[k, j], V[k, i]
                     V[k, j], V[k, i] = c * one - s * other, s * one + c * other
+
+
+@compiled
+def invert(A: Array, least: float) -> None:
+    """Put the pseudo-inverse of a symmetric matrix in its place, without eigenvalues up to ``least`` of the largest."""
+    q = len(A)
+    V = np.eye(q)
+    rotate(A, V)
     largest = 0.0
     for i in range(q):
         largest = max(largest, abs(A[i, i]))

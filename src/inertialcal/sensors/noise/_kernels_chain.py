@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled
-from ._kernels import Indices, first_known, score_each, scored, searched
-from ._kernels_limits import end_from, hidden, limit_from, ruled_out, stretch_at
+from ._kernels import Indices, first_known, rotate, score_each, scored, searched
+from ._kernels_limits import BY, end_from, hidden, interpolate, limit_from, ruled_out, stretch_at
 
 Problem = tuple[Array, Array, Array, Array, Array]
 Spread = tuple[Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array]
@@ -51,6 +51,131 @@ def fit_of(
     for j in range(len(places)):
         powers[places[j]] = v[j]
     return position, cost
+
+
+@compiled
+def fill_residuals(problem: Problem, per_e: float, powers: Array, position: float, sigma: Array, out: Array) -> int:
+    """Fill residuals, and behind them, in columns, their covariance: see ``fitting.goodness``, shape (k, 1 + k).
+
+    Returned is how many unknowns the fit has.
+    """
+    columns, table, s, w, _ = problem
+    k, p = columns.shape
+    D, mean, unit, q = np.empty((k, p + 2)), np.zeros(k), np.empty(k), 0
+    row, after = np.empty(k), np.empty(k)
+    for i in range(p):
+        if powers[i] > 0.0:
+            for t in range(k):
+                D[t, q] = columns[t, i]
+                mean[t] += powers[i] * columns[t, i]
+            q += 1
+    if powers[p] > 0.0:
+        interpolate(table, position, row)
+        for t in range(k):
+            D[t, q] = row[t]
+            mean[t] += powers[p] * row[t]
+        interpolate(table, position + BY, after)
+        interpolate(table, position - BY, row)
+        for t in range(k):
+            D[t, q + 1] = powers[p] * (after[t] - row[t]) / (2.0 * BY) * per_e
+        q += 2
+    A = np.zeros((q, q + k))  # of the equations, and their right sides
+    for i in range(q):
+        size = 0.0
+        for t in range(k):
+            size += w[t] / mean[t] ** 2 * D[t, i] ** 2
+        for t in range(k):
+            D[t, i] /= np.sqrt(size)  # powers of different terms differ by orders of magnitude
+    for i in range(q):
+        for t in range(k):
+            A[i, q + t] = D[t, i] * w[t] / mean[t] ** 2
+        for j in range(q):
+            for t in range(k):
+                A[i, j] += A[i, q + t] * D[t, j]
+    solve(A)
+    left, half = np.empty((k, k)), np.empty((k, k))
+    for t in range(k):
+        unit[t] = np.sqrt(sigma[t, t])
+        ninth = sigma[t, t] / (9.0 * mean[t] ** 2)  # 2 / (9 edf)
+        out[t, 0] = (np.cbrt(s[t] / mean[t]) - (1.0 - ninth)) / np.sqrt(ninth)
+    for t in range(k):
+        for r in range(k):
+            taken = 0.0
+            for i in range(q):
+                taken += D[t, i] * A[i, q + r]
+            left[t, r] = ((1.0 if t == r else 0.0) - taken) * unit[r] / unit[t]
+    for t in range(k):
+        for r in range(k):
+            total = 0.0
+            for j in range(k):
+                total += left[t, j] * sigma[j, r] / (unit[j] * unit[r])
+            half[t, r] = total
+    for t in range(k):
+        for r in range(k):
+            total = 0.0
+            for j in range(k):
+                total += half[t, j] * left[r, j]
+            out[t, 1 + r] = total
+    return q
+
+
+@compiled
+def solve(A: Array) -> None:
+    """Put the solutions of equations (q, q + n) in the place of their right sides, the last n columns."""
+    q, wide = A.shape
+    for i in range(q):
+        best = i
+        for j in range(i + 1, q):
+            if abs(A[j, i]) > abs(A[best, i]):
+                best = j
+        for t in range(wide):
+            A[i, t], A[best, t] = A[best, t], A[i, t]
+        for j in range(i + 1, q):
+            factor = A[j, i] / A[i, i]
+            for t in range(i, wide):
+                A[j, t] -= factor * A[i, t]
+    for i in range(q - 1, -1, -1):
+        for t in range(q, wide):
+            for j in range(i + 1, q):
+                A[i, t] -= A[i, j] * A[j, t]
+            A[i, t] /= A[i, i]
+
+
+@compiled
+def sum_of_squares(values: Array, covariance: Array, dof: int, small: float) -> tuple[float, int]:
+    """Return the sum of squares in the metric of a covariance of that rank, and how many directions it is of.
+
+    Values are left out whose variance is up to a ``small`` part of the largest, and directions in the same way.
+    """
+    k, largest = len(values), 0.0
+    for t in range(k):
+        largest = max(largest, covariance[t, t])
+    free = np.empty(k, np.int64)
+    n = 0
+    for t in range(k):
+        if covariance[t, t] > small * largest:
+            free[n] = t
+            n += 1
+    A, V, scaled = np.empty((n, n)), np.eye(n), np.empty(n)
+    for i in range(n):
+        scale = 1.0 / np.sqrt(covariance[free[i], free[i]])
+        scaled[i] = values[free[i]] * scale
+        for j in range(n):
+            A[i, j] = covariance[free[i], free[j]] * scale / np.sqrt(covariance[free[j], free[j]])
+    for i in range(n):
+        for j in range(i):
+            A[i, j] = A[j, i] = A[i, j]
+    rotate(A, V)
+    order = np.argsort(np.diag(A).copy())
+    total, kept = 0.0, 0
+    for i in order[max(n - dof, 0) :]:
+        if A[i, i] > small * A[order[-1], order[-1]]:
+            along = 0.0
+            for j in range(n):
+                along += V[j, i] * scaled[j]
+            total += along * along / A[i, i]
+            kept += 1
+    return total, kept
 
 
 @compiled

@@ -22,7 +22,7 @@ Three ways in which real data break it, each simulated:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -409,7 +409,7 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
         for word, value in zip(TERMS[name].parameters, values, strict=True)
     )
     chosen = solution.table[0]
-    other = _rival(solution, name, lambda choice: name not in choice.terms)
+    other = _rival(solution, name, False)
     if name == Sinusoid.name or other is None:
         return TermEstimate(name, "estimated", parameters)
     gained = tuple(one for one in other.terms if one not in chosen.terms)
@@ -419,11 +419,12 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
 
 def not_identified(solution: Solution, names: Sequence[str]) -> tuple[TermEstimate, ...]:
     """Return terms that the record does not show: the reason, an upper limit, and the record that would show it."""
-    problem, candidates, rivals = solution.problem, solution.candidates, {}
+    problem, candidates = solution.problem, solution.candidates
     missing: dict[str, Missing] = {}
+    rivals: dict[str, Choice | None] = {}
     for name in names:
         if name in candidates:
-            other = rivals[name] = _rival(solution, name, lambda choice, name=name: name in choice.terms)
+            other = rivals[name] = _rival(solution, name, True)
             rival = None if other is None else other.fitted
             missing[name] = (
                 _hidden_markov(solution, rival)
@@ -499,11 +500,11 @@ def _words(name: str, kind: Kind | None, unit: str) -> tuple[tuple[str, ...], st
     return tuple(quantity_name(name, word, kind) for word in words), parameter_unit(name, words[0], unit)
 
 
-def _rival(solution: Solution, name: str, wanted: Callable[[Choice], bool]) -> Choice | None:
-    """Return the best choice of a kind that may be true in place of the one that was taken; None where none may."""
+def _rival(solution: Solution, name: str, has: bool) -> Choice | None:
+    """Return the best choice, with or without a term, that may be true in place of that taken; None where none may."""
     nearly = PRICE if name in FAST else PLAUSIBLE
     worse = solution.table[0].criterion + nearly
-    return next((one for one in solution.rivals if wanted(one) and one.criterion < worse), None)
+    return next((one for one in solution.rivals if (name in one.terms) is has and one.criterion < worse), None)
 
 
 def _root(power: float | None) -> float | None:

@@ -30,8 +30,9 @@ import numpy as np
 from scipy import linalg, optimize, special
 
 from ....core.estimate import Array
+from .._kernels_chain import fill_residuals, sum_of_squares
 from .likelihood import Fitted, covariance_of_runs, estimate, mean_of, slopes_of
-from .problem import Problem, each_run, with_misfit
+from .problem import PER_E, Problem, each_run, with_misfit
 
 SIGNIFICANT = 0.01  # probability below which a test says that something is wrong
 SMALL = 1e-8  # of the largest variance, or eigenvalue: values and directions that the fit took
@@ -54,17 +55,10 @@ class ChiSquare:
 
 def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
     """Return whether the terms explain the Allan variances; None where no averaging time is left over."""
-    mu = mean_of(problem, fitted)
-    edf = 2.0 * mu**2 / sigma.diagonal()
-    unit = mu * np.sqrt(2.0 / edf)
-    found = (np.cbrt(problem.variance / mu) - (1.0 - 2.0 / (9.0 * edf))) / np.sqrt(2.0 / (9.0 * edf))
-    D = slopes_of(problem, fitted)
-    weights = problem.weight / mu**2
-    D = D / np.sqrt(weights @ D**2)  # powers of different terms differ by orders of magnitude
-    taken = D @ np.linalg.solve((D.T * weights) @ D, D.T * weights)
-    left = (np.eye(len(mu)) - taken) * unit / unit[:, None]
-    correlation = left @ (sigma / (unit * unit[:, None])) @ left.T
-    return chi_square(found, correlation, len(mu) - D.shape[1])
+    count = len(problem.variance)
+    found = np.empty((count, 1 + count))
+    unknowns = fill_residuals(problem.arrays, PER_E, fitted.powers, fitted.position, sigma, found)
+    return chi_square(found[:, 0], found[:, 1:], count - unknowns)
 
 
 def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
@@ -90,16 +84,8 @@ def chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
     """Sum of squares in the metric of a covariance of that rank; values that the fit took whole are left out."""
     if dof < 1:
         return None
-    variance = covariance.diagonal()
-    free = variance > SMALL * variance.max()
-    values, covariance, variance = values[free], covariance[free][:, free], variance[free]
-    scale = 1.0 / np.sqrt(variance)
-    sizes, directions = np.linalg.eigh(covariance * (scale * scale[:, None]))
-    kept = np.arange(max(len(sizes) - dof, 0), len(sizes))  # they ascend
-    kept = kept[sizes[kept] > SMALL * sizes[-1]]
-    along = directions[:, kept].T @ (values * scale)
-    statistic = float(np.sum(along**2 / sizes[kept]))
-    return ChiSquare(statistic, len(kept), float(special.chdtrc(len(kept), statistic)))
+    statistic, kept = sum_of_squares(values.copy(), covariance.copy(), dof, SMALL)
+    return ChiSquare(statistic, kept, float(special.chdtrc(kept, statistic)))
 
 
 def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:

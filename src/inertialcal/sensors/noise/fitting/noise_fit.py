@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -119,16 +119,7 @@ class NoiseFit:
 
     def rows(self, axis: str = "", test: str = "", condition: str = "") -> tuple[Row, ...]:
         """Return the parameters as rows of a result, inside units; limits of terms that are not identified."""
-        found: list[Row] = []
-        doubt = [DOUBTS[code] for code in self.fit_warnings]
-        for term in self.found:
-            said = "; ".join([*doubt, term.reason] if term.reason else doubt)
-            for one in term.parameters:
-                values = Key(one.name, axis), one.value, one.u, one.unit, None, one.interval
-                found.append(Row(*values, "estimated", Reason("limits", said), test, condition))
-            if term.status == "not_identified":
-                found += _missing_rows(term, axis, test, condition)
-        return tuple(found)
+        return tuple(rows_of(self.found, self.fit_warnings, axis, test, condition))
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a parameter, with value, u, interval, unit, status and reason."""
@@ -167,6 +158,20 @@ class NoiseFit:
     def _repr_html_(self) -> str:
         """Return the same tables for a notebook."""
         return html(self.parts())
+
+
+def rows_of(
+    found: Iterable[TermEstimate], warnings: Sequence[str], axis: str = "", test: str = "", condition: str = ""
+) -> Iterator[Row]:
+    """Yield the parameters of terms as ``NoiseFit.rows`` gives them, with its warnings."""
+    doubt = [DOUBTS[code] for code in warnings]
+    for term in found:
+        said = "; ".join([*doubt, term.reason] if term.reason else doubt)
+        for one in term.parameters:
+            values = Key(one.name, axis), one.value, one.u, one.unit, None, one.interval
+            yield Row(*values, "estimated", Reason("limits", said), test, condition)
+        if term.status == "not_identified":
+            yield from _missing_rows(term, axis, test, condition)
 
 
 def _missing_rows(term: TermEstimate, axis: str, test: str, condition: str) -> list[Row]:

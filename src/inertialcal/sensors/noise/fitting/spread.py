@@ -57,10 +57,14 @@ class Spread:
         return sigma
 
 
-@lru_cache(64)  # a fit asks for the same again and again
 def spread_of(runs: tuple[Run, ...], lines: tuple[float, ...]) -> Spread:
     """Return that of the linear terms and lines."""
-    return spread_with(runs, (*(term(1.0) for term in LINEAR), *(Sinusoid(1.0, one) for one in lines)))
+    return _of_linear(tuple([run.taken for run in runs]), lines)
+
+
+@lru_cache(16)  # records of one length share them
+def _of_linear(taken: tuple[Taken, ...], lines: tuple[float, ...]) -> Spread:
+    return _spread(taken, (*(term(1.0) for term in LINEAR), *(Sinusoid(1.0, one) for one in lines)))
 
 
 def spread_with(runs: Sequence[Run], terms: tuple[Term, ...]) -> Spread:
