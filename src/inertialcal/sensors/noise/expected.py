@@ -120,12 +120,19 @@ def sampled_spectrum(
 
 def density_of_samples(phase: Phase, cycles: Array) -> Array:
     """Return the Fourier transform of the covariance of samples, at cycles a sample up to 1/2; lines left out."""
-    steps = 4.0 * np.sin(np.pi * cycles) ** 2
-    found = phase.point * steps + phase.linear + phase.cubic * (1.0 / steps - 1.0 / 6.0)
+    found = density_of_steps(phase, 4.0 * np.sin(np.pi * cycles) ** 2)
+    return np.asarray(found + phase.flicker * _folded_flicker(cycles, phase.duty) if phase.flicker else found)
+
+
+def density_of_steps(phase: Phase, steps: Array) -> Array:
+    """Return the same without flicker, at frequencies f given as 4 sin^2(pi f)."""
+    found = phase.point * steps + phase.linear if phase.point else np.full(np.shape(steps), phase.linear)
+    if phase.cubic:
+        found = found + phase.cubic * (1.0 / steps - 1.0 / 6.0)
     for size, u in phase.exponentials:
         ahead = np.exp(-u)
         found = found + size * (1.0 - ahead**2) / ((1.0 - ahead) ** 2 + ahead * steps)
-    return np.asarray(found + phase.flicker * _folded_flicker(cycles, phase.duty) if phase.flicker else found)
+    return np.asarray(found)
 
 
 def _folded_flicker(cycles: Array, duty: float) -> Array:

@@ -35,7 +35,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -48,7 +48,7 @@ from ....signals.spectrum.density import Spectrum
 from ....statistics.least_squares import symmetric_inverse
 from .._kernels import scored
 from .._kernels_band import banded, lowest
-from ..expected import density_of_samples
+from ..expected import density_of_samples, density_of_steps
 from ..terms import GaussMarkov, Phase
 
 PER_DECADE = 60  # bands of the spectrum
@@ -66,6 +66,7 @@ SHAPE = 0.07  # least relative uncertainty of what is lost
 LIKELY = 2.0  # standard uncertainties
 GRID = 4096  # frequencies of the integral
 CYCLES: Array = (np.arange(GRID, dtype=np.float64) + 0.5) * (0.5 / GRID)  # those frequencies
+STEPS = 4.0 * np.sin(np.pi * CYCLES) ** 2
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
 COARSE = 4  # of these sizes, one of which is tried first, then all about the best: twice the size is much alike
@@ -152,7 +153,7 @@ def windows(m: tuple[float, ...]) -> Array:
 
 def density_at(phase: Phase) -> Array:
     """Return the density of samples at `CYCLES`, shape (GRID,) [unit^2]."""
-    found = density_of_samples(replace(phase, flicker=0.0), CYCLES)
+    found = density_of_steps(phase, STEPS)
     return found + phase.flicker * unit_flicker(phase.duty) if phase.flicker else found
 
 

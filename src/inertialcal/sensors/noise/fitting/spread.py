@@ -94,7 +94,7 @@ def _of_run(run: Run, terms: tuple[Term, ...]) -> tuple[Squares, Array, Array, A
     """Return what terms give together, what a filter takes of them, its slopes and their covariance."""
     # errors at gaps are independent from gap to gap, as white noise is
     ends = 0.0 if run.ends is None else float(np.max((run.ends - COMPLETE) / run.m))
-    phases = _phases(terms, run.interval, run.averaging, ends)
+    phases = tuple([_phase(term, run.interval, run.averaging, ends) for term in terms])
     by, doubt = np.zeros((len(terms), len(run.m), 2)), np.zeros((2, 2))
     if run.band is None:
         lost = np.zeros((len(terms), len(run.m))) if run.unseen is None else run.unseen.lost(phases, run.m)
@@ -105,10 +105,10 @@ def _of_run(run: Run, terms: tuple[Term, ...]) -> tuple[Squares, Array, Array, A
     return squares_of(left, run.m, run.n, run.inflation), lost, by, run.band.doubt
 
 
-@lru_cache(32)
-def _phases(terms: tuple[Term, ...], interval: float, averaging: float, ends: float) -> tuple[Phase, ...]:
-    found = [total_phase((term,), interval, averaging) for term in terms]
-    return tuple(one + Phase(linear=one.point * ends) for one in found)
+@lru_cache(64)
+def _phase(term: Term, interval: float, averaging: float, ends: float) -> Phase:
+    found = total_phase((term,), interval, averaging)
+    return found + Phase(linear=found.point * ends) if found.point * ends else found
 
 
 @lru_cache(32)  # records of one length share them
