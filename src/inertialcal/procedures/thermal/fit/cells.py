@@ -12,7 +12,7 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -78,6 +78,12 @@ class Series:
     rate: Array | None = None  # shape (n,): of the temperature, as a lag smooths it [degC/s]; None: by the cells alone
     once: Once = field(default_factory=Once)  # Of times and temperatures
 
+    def changed(self, **fields: object) -> Series:
+        """Return the same with other values of some fields; ``dataclasses.replace`` takes several times as long."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__ | fields)
+        return found
+
     @property
     def together(self) -> dict[str, Array]:
         """Readings by axis of the sensors that share these times and temperatures."""
@@ -140,7 +146,7 @@ class Series:
                     time, out = self.time[own], rate[own]
                     for first, stop in batches(time, out):
                         out[first:stop] = np.interp(time[first:stop], even, there - behind) / lag
-        return replace(self, rate=rate)
+        return self.changed(rate=rate)
 
     def _evenly(self, run: int, t: Array, T: Array, step: float) -> tuple[Array, Array]:
         """Return even times of a run, and the temperature there less the first."""
@@ -178,7 +184,7 @@ class Series:
 
     def of(self, reading: Array, axis: str = "") -> Series:
         """Return the same times and temperatures with another reading, of this sensor or another one."""
-        return replace(self, reading=reading, axis=axis or self.axis)
+        return self.changed(reading=reading, axis=axis or self.axis)
 
 
 def joined(parts: Sequence[Array | int]) -> Array:
@@ -231,6 +237,12 @@ class Cells:
 
     def __len__(self) -> int:
         return len(self.temperature)
+
+    def changed(self, **fields: object) -> Cells:
+        """Return the same with other values of some fields; ``dataclasses.replace`` takes several times as long."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__ | fields)
+        return found
 
     @property
     def runs(self) -> int:
@@ -285,16 +297,16 @@ def series_of(plan: Plan, readings: Readings, axis: str, others: Sequence[Series
     if not any(axis in one.temperature for one in sweeps):
         what, do = f"{axis} sensor: no temperature", "Name its channel: temperature, or temperature_x"
         raise DataError(what, readings.where, "the bias is a function of it", do, "no_temperature")
-    lowest, highest = span_of(readings, axis)
-    if not highest - lowest >= plan.least_range:
-        what = f"{axis} sensor: temperature from {lowest:.4g} to {highest:.4g} degC, a range of {highest - lowest:.3g}"
-        why, do = f"a polynomial needs {plan.least_range:g} degC or more", "Ramp the chamber; check the channel"
-        raise DataError(what, readings.where, why, do, "no_temperature_change")
     reading = joined([one.outputs[axis] for one in sweeps])
     for other in others:
         if all(_alike(one, axis, other.axis) for one in readings.sweeps):
             other.together[axis] = reading
             return other.of(reading, axis)
+    lowest, highest = span_of(readings, axis)
+    if not highest - lowest >= plan.least_range:
+        what = f"{axis} sensor: temperature from {lowest:.4g} to {highest:.4g} degC, a range of {highest - lowest:.3g}"
+        why, do = f"a polynomial needs {plan.least_range:g} degC or more", "Ramp the chamber; check the channel"
+        raise DataError(what, readings.where, why, do, "no_temperature_change")
     turn_over = plan.turn_over or 0.1 * (highest - lowest)
     labels = readings.labels
     warm = joined([one.temperature.get(axis, len(one)) for one in sweeps])
@@ -351,7 +363,7 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
         raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
     frame, used = cells.once("used", lambda: _frame(cells, left, series))
-    return replace(frame, reading=frame.beside[cells.sensor], scatter=cells.scatter[used], sensor=cells.sensor)
+    return frame.changed(reading=frame.beside[cells.sensor], scatter=cells.scatter[used], sensor=cells.sensor)
 
 
 def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells, Mask]:
@@ -378,7 +390,7 @@ def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells
         "one_path": int(cells.samples[full & ~used].sum()),
         "sparse": int(cells.samples[~full].sum()),
     }
-    return replace(kept, left_out=left_out), used
+    return kept.changed(left_out=left_out), used
 
 
 def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) -> Cells:
@@ -390,7 +402,7 @@ def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) ->
         count[part.ramp] += np.bincount(part.bin, minlength=plan.bins)
         total[part.ramp] += np.bincount(part.bin, part.rate, plan.bins)
     at = cells.ramp, cells.bin
-    return replace(cells, rate=total[at] / count[at])
+    return cells.changed(rate=total[at] / count[at])
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,10 +423,10 @@ def _samples(plan: Plan, series: Series, cut: float) -> Iterable[_Samples]:
     """Return the samples that count, batch by batch; those of a short record are kept."""
     if not series.complete:
         return _each(plan, series, cut)
-    kept = series.once(("samples", plan.bins, cut), lambda: list(_each(plan, replace(series, rate=None), cut)))
+    kept = series.once(("samples", plan.bins, cut), lambda: list(_each(plan, series.changed(rate=None), cut)))
     if series.rate is None:
         return kept
-    return [replace(one, rate=series.rate[one.own][one.used]) for one in kept]
+    return [one.changed(rate=series.rate[one.own][one.used]) for one in kept]
 
 
 def _each(plan: Plan, series: Series, cut: float) -> Iterator[_Samples]:
@@ -448,34 +460,31 @@ def _means(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int
 
 def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array]) -> tuple[list[Cells], dict[str, int]]:
     """Return the means of some readings on one clock, in two passes, and how many samples are in none, by rule."""
-    bins, k = plan.bins, len(readings)
+    bins, k, is_rated = plan.bins, len(readings), series.rate is not None
     shape = (len(series.ramps), bins)
     left = dict.fromkeys(("invalid", "warm_up", "turn_over"), 0)
-    count, sum_T, sum_t, sum_rate = (np.zeros(shape) for _ in range(4))
-    sum_y = np.zeros((k, *shape))
+    count, sums = np.zeros(shape), np.zeros((2 + k + is_rated, *shape))
+
+    def columns(part: _Samples) -> Array:
+        """Return temperature, time, all readings, and the rate where there is one, a row each."""
+        rates = [] if part.rate is None else [part.rate]
+        return np.array([part.temperature, part.time, *(y[part.own][part.used] for y in readings), *rates])
+
     for part in _samples(plan, series, cut):
-        ramp, at = part.ramp, part.bin
         for rule, more in zip(left, part.left, strict=True):
             left[rule] += more
-        count[ramp] += np.bincount(at, minlength=bins)
-        for total, values in ((sum_T, part.temperature), (sum_t, part.time), (sum_rate, part.rate)):
-            if values is not None:
-                total[ramp] += np.bincount(at, values, bins)
-        for total, y in zip(sum_y, readings, strict=True):
-            total[ramp] += np.bincount(at, y[part.own][part.used], bins)
+        count[part.ramp] += np.bincount(part.bin, minlength=bins)
+        sums[:, part.ramp] += _by_bin(columns(part), part.bin, bins)
     numbers = np.flatnonzero(count)
-    size = np.where(count, count, 1.0)
-    mean_T, mean_y, mean_t = sum_T / size, sum_y / size, sum_t / size
-    squares, squares_y = np.zeros((3, *shape)), np.zeros((k, 2, *shape))
+    means_of = sums / np.where(count, count, 1.0)
+    mean_T, mean_t, mean_y, sum_rate = means_of[0], means_of[1], means_of[2 : 2 + k], sums[-1]
+    squares, squares_y = np.zeros((3, *shape)), np.zeros((2, k, *shape))
     for part in _samples(plan, series, cut):
-        ramp, at = part.ramp, part.bin
-        dT, dt = part.temperature - mean_T[ramp][at], part.time - mean_t[ramp][at]
-        for total, values in zip(squares, (dT * dT, dt * dt, dT * dt), strict=True):
-            total[ramp] += np.bincount(at, values, bins)
-        for mean, (square, along), y in zip(mean_y, squares_y, readings, strict=True):
-            dy = y[part.own][part.used] - mean[ramp][at]
-            square[ramp] += np.bincount(at, dy * dy, bins)
-            along[ramp] += np.bincount(at, dT * dy, bins)
+        dT, dt, *dy = (columns(part) - means_of[:, part.ramp, part.bin])[: 2 + k]
+        products = [dT * dT, dt * dt, dT * dt, *(one * one for one in dy), *(dT * one for one in dy)]
+        sum_of = _by_bin(np.array(products), part.bin, bins)
+        squares[:, part.ramp] += sum_of[:3]
+        squares_y[:, :, part.ramp] += sum_of[3:].reshape(2, k, bins)
     count, mean_T, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_t, sum_rate))
     var_T, var_t, cov_Tt = squares.reshape(3, -1)[:, numbers] / count
     free = np.maximum(count - 2.0, 1.0)
@@ -484,7 +493,7 @@ def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array])
     first = np.array([one.start for one in series.ramps])[number]
     sweep = np.searchsorted([one.stop for one in series.sweeps], first, side="right")
     means = mean_y.reshape(k, -1)[:, numbers]
-    var_y, cov_Ty = squares_y.reshape(k, 2, -1)[:, :, numbers].swapaxes(0, 1) / count
+    var_y, cov_Ty = squares_y.reshape(2, k, -1)[:, :, numbers] / count
     taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(cov_Ty), where=var_T > 0.0)
     scatter = np.sqrt(np.maximum(var_y - taken, 0.0) * count / free)
     once, found = Once(), []
@@ -510,6 +519,13 @@ def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array])
     return found, left
 
 
+def _by_bin(values: Array, at: Indices, bins: int) -> Array:
+    """Return the sums of values, shape (k, n), in each bin, shape (k, bins)."""
+    k = len(values)
+    places = at + bins * np.arange(k)[:, None]
+    return np.asarray(np.bincount(places.ravel(), values.ravel(), k * bins).reshape(k, bins))
+
+
 def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:
     """Keep what lies in or next to the temperatures that were seen on both paths; all of it with one path only."""
     kept = _taken(cells, full)
@@ -523,7 +539,7 @@ def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mas
     inside = (cells.temperature >= low - reach) & (cells.temperature <= high + reach)
     kept = _taken(cells, full & inside)
     both = (float(low), float(high))
-    return replace(_weighed(kept, _ends(kept, series)), both=both), full & inside
+    return _weighed(kept, _ends(kept, series)).changed(both=both), full & inside
 
 
 def _ends(cells: Cells, series: Series) -> tuple[float, float]:
@@ -538,13 +554,13 @@ def _ends(cells: Cells, series: Series) -> tuple[float, float]:
 def _taken(cells: Cells, keep: Mask) -> Cells:
     rows = ("temperature", "spread", "reading", "scatter", "samples", "rate", "time", "path", "run", "ramp", "bin")
     if keep.all():
-        return replace(cells, once=Once())
+        return cells.changed(once=Once())
     kept = {name: getattr(cells, name)[keep] for name in rows}
-    return replace(cells, weight=cells.weight[keep], beside=cells.beside[:, keep], once=Once(), **kept)
+    return cells.changed(weight=cells.weight[keep], beside=cells.beside[:, keep], once=Once(), **kept)
 
 
 def _weighed(cells: Cells, ends: tuple[float, float]) -> Cells:
     """Give the cells of one run, path and bin the weight 1 together."""
     key = (cells.run * 3 + cells.path + 1) * (int(cells.bin.max()) + 1) + cells.bin
     shared = np.unique(key, return_inverse=True)[1]
-    return replace(cells, weight=1.0 / np.bincount(shared)[shared], range=ends, once=Once())
+    return cells.changed(weight=1.0 / np.bincount(shared)[shared], range=ends, once=Once())

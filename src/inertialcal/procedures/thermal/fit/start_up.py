@@ -9,6 +9,7 @@ is of the size of what a mean over some minutes can show.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -57,11 +58,11 @@ def start_up_of(plan: Plan, series: Series, cells: Cells, law: Callable[[], Law]
     law : callable
         What gives the first law of the sensor; called only where the temperature is steady after a power-up.
     """
-    scatter = float(np.sqrt(np.average(cells.scatter**2, weights=cells.samples)))
+    scatter = math.sqrt((cells.scatter**2 * cells.samples).sum() / cells.samples.sum())
     settled = plan.settled if plan.settled is not None else SHARE * scatter
     time, residual, run = _steady_means(series, law)
     found, reason = None, ""
-    if not np.isfinite(series.time).any():
+    if not series.once("timed", lambda: bool(np.isfinite(series.time).any())):
         reason = "no time is known"
     elif len(time) == 0:
         reason = STEADY
@@ -144,6 +145,9 @@ def _in_order(series: Series, run: int) -> Callable[[], Iterable[Indices]]:
             ordered = every[np.argsort(series.time[every], kind="stable")]
             return lambda: [ordered]
         last = time[-1] if len(own) else last
+    if series.short:
+        pieces = list(_known(series, run))
+        return lambda: pieces
     return lambda: _known(series, run)
 
 
