@@ -252,11 +252,12 @@ def _spread(
 
 def _labels(one: Component) -> Sequence[str] | None:
     """Return what tells the unknowns of a source apart, in all parts alike; None where another part cannot share it."""
-    if one.changes is None or not (one.origin.test or one.origin.standard):
+    origin = one.origin
+    if one.changes is None or not (origin.test or origin.standard):
         return None
     if one.unknowns:
         return one.unknowns
-    if len(one.changes) == 1 or one.origin.test:  # unknowns of another test stand in their order
+    if len(one.changes) == 1 or origin.test:  # unknowns of another test stand in their order
         return [str(i) for i in range(len(one.changes))]
     return None
 

@@ -59,10 +59,16 @@ class Readings:
         """Return the number of dwells."""
         return len(self.applied)
 
+    def changed(self, **fields: object) -> Readings:
+        """Return the same dwells with other values of some fields that no rate, axis or label is among."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__ | fields)
+        return found
+
     def take(self, keep: NDArray[np.bool_]) -> Readings:
         """Return the dwells for which ``keep`` holds; the traces, which are of all dwells, stay behind."""
         if keep.all():
-            return replace(self, traces=()) if self.traces else self
+            return self.changed(traces=()) if self.traces else self
         return replace(
             self,
             applied=self.applied[keep],

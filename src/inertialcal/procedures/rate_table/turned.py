@@ -158,6 +158,7 @@ class Turned:
         self._sets_alike: dict[float, list[tuple[NDArray[np.intp], LikeRows]]] = {}
         self._beside_basis: dict[str, tuple[Array, Array]] = {}
         self._spread: Array | None = None
+        self._tells_asymmetry: dict[str, bool] = {}
         self._straight: dict[bytes, Decomposed] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
@@ -361,9 +362,11 @@ class Turned:
 
     def tells_asymmetry(self, sensor: str) -> bool:
         """Return True where the sensor's own axis was turned both ways at two or more rates each, or with rest."""
-        rates = np.unique(self.applied[self.axis == sensor])
-        positive, negative = np.count_nonzero(rates > 0.0), np.count_nonzero(rates < 0.0)
-        return bool(min(positive, negative) >= 1 and len(rates) >= 3)
+        if sensor not in self._tells_asymmetry:
+            rates = np.unique(self.applied[self.axis == sensor])
+            positive, negative = np.count_nonzero(rates > 0.0), np.count_nonzero(rates < 0.0)
+            self._tells_asymmetry[sensor] = bool(min(positive, negative) >= 1 and len(rates) >= 3)
+        return self._tells_asymmetry[sensor]
 
     def allowed(self, sensor: str, asymmetry: bool, own: bool, spare: float) -> tuple[str, ...]:
         """Return the curvatures that the rates tell apart from the other coefficients, and from each other.

@@ -165,13 +165,14 @@ def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()
     held = [(i, int(key.at.value), AXES.index(key.axis)) for i, key in enumerate(found.keys) if key.at is not None]
     telling = law if n == 0 else np.array([i for i, _, _ in held], dtype=np.intp)  # values that tell of a sensor
     keys = tuple(found.keys[i] for i in law)
+    sensors = [AXES.index(found.keys[i].axis) for i in telling]
     every = {}
     for one, changes in sources:
         patterns = np.zeros((len(changes), n, 3))
         for i, dwell, axis in held:
             patterns[:, dwell, axis] = changes[:, i]
         origin = one.origin._replace(test=bias.test)
-        of_sensor = dof_of_sensors(found, one, telling, n == 0)
+        of_sensor = dof_of_sensors(one, telling, sensors, n == 0)
         every[origin] = Unknowns(origin, one.kind, patterns, keys, changes[:, law], of_sensor, one.distribution,
                                  one.stated, one.unknowns)  # fmt: skip
     return every
@@ -200,17 +201,18 @@ def sources_of(
     return found, [(one, _changes(found, one, laws, asked)) for one in acting]
 
 
-def dof_of_sensors(found: Estimate, component: Component, values: NDArray[np.intp], fewest: bool = True) -> Array:
+def dof_of_sensors(
+    component: Component, values: NDArray[np.intp], sensors: Sequence[int], fewest: bool = True
+) -> Array:
     """Return the degrees of freedom of a source, by sensor, shape (3,): the fewest of some values of it, or the last.
 
     Of a sensor without a value they are infinite.
     """
     of_sensor = np.full(3, np.inf)
-    at = [AXES.index(found.keys[i].axis) for i in values]
     if fewest and isinstance(component.dof, np.ndarray):
-        np.minimum.at(of_sensor, at, component.dof[values])
+        np.minimum.at(of_sensor, sensors, component.dof[values])
     else:
-        of_sensor[at] = component.dof[values] if isinstance(component.dof, np.ndarray) else component.dof
+        of_sensor[sensors] = component.dof[values] if isinstance(component.dof, np.ndarray) else component.dof
     return of_sensor
 
 

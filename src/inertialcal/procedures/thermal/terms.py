@@ -41,7 +41,7 @@ def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> Model
         parts.append(one.changed(
             given=one.origin._replace(test=bias.test),
             covariance=0.5 * (covariance + covariance.T),
-            dof=dof_of_sensors(found, one, every)[of_sensor],
+            dof=dof_of_sensors(one, every, of_sensor)[of_sensor],
             changes=changes,
         ))  # fmt: skip
     estimate = Estimate.of_own(found.keys, found.values, found.units, tuple(parts))

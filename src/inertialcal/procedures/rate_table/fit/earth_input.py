@@ -15,7 +15,6 @@ after (k) are ``cos(theta) p + sin(theta) q`` and ``-sin(theta) p + cos(theta) q
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -164,7 +163,7 @@ def with_earth(plan: Plan, readings: Readings) -> Readings:
     known = plan.standards.get("site.latitude")
     u_latitude = 0.0 if known is None else known.u
     earth, sources = _of_table_dwells(plan.attitude, plan.latitude, u_latitude, plan.zero_reference, readings.axis)
-    return replace(readings, earth=earth, earth_sources=sources)
+    return readings.changed(earth=earth, earth_sources=sources)
 
 
 @remembered

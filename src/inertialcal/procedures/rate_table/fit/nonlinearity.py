@@ -102,7 +102,19 @@ def with_nonlinearity(
 
 def _chances(full: Line, always: bool) -> dict[str, float]:
     """Return the probability of each term of a line to be so large where there is none; 0 where all are taken."""
-    return {} if full.covariance is None else {name: 0.0 if always else _p_of(full, name) for name in full.curvature}
+    if full.covariance is None or not full.curvature:
+        return {}
+    if always:
+        return dict.fromkeys(full.curvature, 0.0)
+    at = [full.names.index(name) for name in full.curvature]
+    u, dof, size = np.sqrt(full.covariance[at, at]), full.dof[at], np.abs(full.fit.coefficients[at])
+    # Rounding of the readings makes a term, too
+    largest = np.abs(full.readings.applied[full.readings.axis == full.sensor]).max()
+    rounding = np.array([1e-12 * largest ** (1 - POWERS[name]) for name in full.curvature])
+    told = (dof > 0.0) & ~(size <= rounding)
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # without scatter it is infinitely far from 0
+        p = 2.0 * special.stdtr(np.where(told, dof, 1.0), -np.divide(size, u))
+    return dict(zip(full.curvature, np.where(told, p, 1.0).tolist(), strict=True))
 
 
 def _fitted(
@@ -132,26 +144,6 @@ def _fitted(
 def _allowed(plain: Line) -> tuple[str, ...]:
     """Return the terms that the rates tell apart from the coefficients of a line, and from each other."""
     return plain.readings.turned.allowed(plain.sensor, plain.asymmetry, plain.fit.own, plain.fit.dof)
-
-
-def _p_of(full: Line, name: str) -> float:
-    """Return the probability of a term so large where there is none."""
-    at = full.names.index(name)
-    assert full.covariance is not None  # noqa: S101 - as checked
-    u = float(np.sqrt(full.covariance[at, at]))
-    if not full.dof[at] > 0.0:
-        return 1.0
-    size = abs(full.fit.coefficients[at])
-    if size <= _rounding(full, name):
-        return 1.0
-    with np.errstate(over="ignore", divide="ignore"):  # a term without scatter is infinitely far from 0
-        return float(2.0 * special.stdtr(full.dof[at], -np.divide(size, u)))
-
-
-def _rounding(full: Line, name: str) -> float:
-    """Return the size of a term that is rounding of the readings."""
-    rates = np.abs(full.readings.applied[full.readings.axis == full.sensor])
-    return float(1e-12 * np.max(rates) ** (1 - POWERS[name]))
 
 
 def _unresolved(own: Line, full: Line, name: str, hinted: bool) -> Unresolved:

@@ -175,11 +175,12 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
         if (key.quantity in TERM or key in curved) and set(key.axis) <= set(axes)
         and not (key.quantity == "bias" and referenced)
     )  # fmt: skip
+    provenance = {sensor: _provenance(sensor, tests) for sensor in dict.fromkeys(key.axis[0] for key in keys)}
     return ModelTerms(
         estimate,
         keys,
         axes,
-        {key: _provenance(key, tests) for key in keys},
+        {key: provenance[key.axis[0]] for key in keys},
         {str(Key(quantity, axis)): NOT_SEEN for quantity in CURVATURES.values() for axis in axes}
         | {str(row.key): row.reason.text for row in result.rows() if row.status == "not_estimated" and row.case.plain},
         input_range=_input_range(result, axes),
@@ -188,9 +189,8 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
     )
 
 
-def _provenance(key: Key, tests: Sequence[Turned]) -> Provenance:
-    """Return where a term comes from: the tests in which its sensor was read."""
-    sensor = key.axis[0]
+def _provenance(sensor: str, tests: Sequence[Turned]) -> Provenance:
+    """Return where the terms of a sensor come from: the tests in which it was read."""
     which = [one for one in tests if np.isfinite(one.readings.outputs.get(sensor, np.nan)).any()]
     recordings = tuple(dict.fromkeys(recording for one in which for recording in one.recordings))
     return Provenance(", ".join(one.id for one in which), recordings)

@@ -51,9 +51,9 @@ class Curves:
 
 def disagreements(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
     """Return a remark for each run of one sensor that disagrees with the others."""
-    runs = np.unique(cells.run)
-    if len(runs) < 2:
+    if cells.runs < 2:
         return []
+    runs = np.unique(cells.run)
     curves = _curves(cells, runs)
     found = []
     for i, run in enumerate(runs):

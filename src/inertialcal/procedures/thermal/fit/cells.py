@@ -12,7 +12,7 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -426,7 +426,7 @@ def _samples(plan: Plan, series: Series, cut: float) -> Iterable[_Samples]:
     kept = series.once(("samples", plan.bins, cut), lambda: list(_each(plan, series.changed(rate=None), cut)))
     if series.rate is None:
         return kept
-    return [one.changed(rate=series.rate[one.own][one.used]) for one in kept]
+    return [replace(one, rate=series.rate[one.own][one.used]) for one in kept]
 
 
 def _each(plan: Plan, series: Series, cut: float) -> Iterator[_Samples]:

@@ -260,7 +260,7 @@ def _shape(cells: Cells) -> Hashable:
     """Return what designs of one shape have in common; cells of several runs are by themselves."""
     if cells.runs >= 2:
         return id(cells)
-    return len(cells), path_order_of(cells), cells.paths_repeated
+    return cells.once("shape", lambda: (len(cells), path_order_of(cells), cells.paths_repeated))
 
 
 def _alike(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None) -> list[Law]:

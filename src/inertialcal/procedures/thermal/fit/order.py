@@ -50,10 +50,10 @@ def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice
     """Return the order of P, chosen on what is held out where none is given; the scores are found either way."""
     held_out, found = cells.once(("held out", largest), lambda: _errors([cells], largest)[0])
     errors = found[cells.sensor]
-    scores = np.sqrt(np.mean(errors, axis=1))
+    scores = np.sqrt(errors.mean(axis=1))
     if given is not None:
         return Choice(given, "given", scores)
-    return Choice(_lowest(errors), held_out, scores)
+    return Choice(_lowest(scores), held_out, scores)
 
 
 def find_scores(cells: Sequence[Cells], largest: int) -> None:
@@ -70,9 +70,8 @@ def find_scores(cells: Sequence[Cells], largest: int) -> None:
             one.once.keep(("held out", largest), errors)
 
 
-def _lowest(errors: Array) -> int:
+def _lowest(scores: Array) -> int:
     """Return the lowest order that predicts about as well as the best."""
-    scores = np.sqrt(errors.mean(axis=1))
     return int(np.flatnonzero(scores <= NO_BETTER * scores.min())[0])
 
 

@@ -180,10 +180,10 @@ def run_offsets(law: Law) -> Array:
     cells = law.cells
     highest = max(law.order, law.path_order)
     rows = cells.once(("rows", highest, law.domain), lambda: series_rows(cells.temperature, law.domain, highest))
-    fitted = np.einsum("ij,j->i", rows[:, : law.order + 1], law.coefficients)
+    fitted = rows[:, : law.order + 1] @ law.coefficients
     if law.midway:
         ways = law.path_fit.coefficients[law.order + 1 :]
-        fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", rows[:, : law.path_order + 1], ways)
+        fitted = fitted + 0.5 * cells.path * (rows[:, : law.path_order + 1] @ ways)
     number = cells.run_number
     left = cells.weight * (cells.reading - fitted)
     return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
