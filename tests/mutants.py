@@ -392,7 +392,7 @@ MUTANTS = (
         "test_recorded_clocks",
     ),
     Mutant("load.py", "worst = max(known, key", "worst = min(known, key", "test_recorded_clocks"),
-    Mutant("drift.py", "self.curve[-1] - self.curve[0]", "self.curve[0] - self.curve[-1]", "test_drift"),
+    Mutant("drift.py", "rest, curve[-1] - curve[0]", "rest, curve[0] - curve[-1]", "test_drift"),
     Mutant("drift.py", "2.0 * float(special.stdtr(", "1.0 * float(special.stdtr(", "test_drift"),
     Mutant(
         "correlation.py",

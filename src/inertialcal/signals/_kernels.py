@@ -75,6 +75,52 @@ def fill_set(words: NDArray[np.uint64], room: int, table: NDArray[np.uint64], fi
 
 
 @compiled
+def fill_sums_of_blocks(x: Array, size: int, sums: Array) -> bool:
+    """Fill the sums of neighbouring blocks; return whether all of these are finite."""
+    whole = True
+    for b in range(len(sums)):
+        c, d, e, f = 0.0, 0.0, 0.0, 0.0
+        part = x[b * size : (b + 1) * size]
+        fours = size // 4
+        for i in range(fours):
+            c, d, e, f = c + part[4 * i], d + part[4 * i + 1], e + part[4 * i + 2], f + part[4 * i + 3]
+        for i in range(4 * fours, size):
+            c += part[i]
+        sums[b] = (c + d) + (e + f)
+        whole &= np.isfinite(sums[b])
+    return whole
+
+
+@compiled
+def explained(
+    means: Array, modes: Array, shape: Array, logs: Array, rise: Array, possible: float
+) -> tuple[float, float, float]:
+    """Return the least cost of white noise with shares of slow noise, the scatter of the rise there, and its largest.
+
+    ``modes`` (m, n) of the means (n,); ``shape`` (m, shares): what each scatters by, over one, and the same sum of
+    logarithms ``logs`` and variance of the rise ``rise`` (shares,); largest of all shares that cost ``possible`` more.
+    """
+    level = np.zeros(shape.shape[1])
+    for i in range(len(modes)):
+        mode, own, total = modes[i], shape[i], 0.0
+        for k in range(len(mode)):
+            total += mode[k] * means[k]
+        total *= total
+        for j in range(len(level)):
+            level[j] += total / own[j]
+    cost, best, most = np.empty(len(level)), 0, 0.0
+    for j in range(len(level)):
+        level[j] /= len(modes)
+        cost[j] = 0.5 * (logs[j] + len(modes) * np.log(level[j]))
+        if cost[j] < cost[best]:
+            best = j
+    for j in range(len(level)):
+        if cost[j] <= cost[best] + possible:
+            most = max(most, level[j] * rise[j])
+    return cost[best], np.sqrt(level[best] * rise[best]), np.sqrt(most)
+
+
+@compiled
 def fill_mixed(words: NDArray[np.uint64], lanes: NDArray[np.uint64]) -> bool:
     """Mix all words into eight, every eighth into the same one; any change of a word changes its lane."""
     for i in range(8):

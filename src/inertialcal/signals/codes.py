@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ SORTED = 100_000  # values up to which they are sorted without a look whether th
 MARKED = 2**19  # values of which each different one is marked; of more one in 2, 4, ..., that a cache holds the marks
 SURE = 1.05  # times the share of the values looked for: marks beyond it are no chance, by 6 deviations and more
 CHUNK = 2**15  # samples looked at together
+ENOUGH = 2**11  # samples of noise that show by themselves that steps are not coarse
 FIRST = 2**13  # samples that are sorted first: of noise, some of so many lie closer together than codes
 LEVELS = 2**24  # most levels that a converter has
 JITTER = 1000.0  # last digits of the largest value: what is closer may be one level, rounded in several ways
@@ -169,9 +171,8 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
-    step, squares, steps, last = np.inf, 0.0, 0, np.empty(0)
-    for first, stop in batches(values, size=CHUNK):
-        part = values[first:stop]
+    step, squares, steps, last, rest = np.inf, 0.0, 0, np.empty(0), values[ENOUGH:]
+    for part in chain([values[:ENOUGH]], (rest[first:stop] for first, stop in batches(rest, size=CHUNK))):
         there = np.concatenate((last, part[np.isfinite(part)]))
         difference, last = np.abs(np.diff(there)), there[-1:]
         squares, steps = squares + float(difference @ difference), steps + len(difference)

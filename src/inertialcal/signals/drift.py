@@ -17,7 +17,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 from scipy import special
@@ -27,6 +27,7 @@ from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.show.rounding import number
 from ..statistics.slow_noise import flicker_covariance, walk_covariance
+from .time.samples import Flags
 
 DEGREE = 3  # of the curve
 SMOOTH = 4  # of what is too smooth to tell of noise
@@ -91,6 +92,30 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     size = len(x) // BLOCKS
     if size < 1:
         return ()
+    from ._kernels import explained, fill_sums_of_blocks  # noqa: PLC0415 - numba starts slowly
+
+    means = np.empty(BLOCKS)
+    if BLOCKS * size <= SIZE and x.dtype == np.float64 and fill_sums_of_blocks(x, size, means):
+        means /= size
+        blocks, models = _whole_blocks()
+    else:
+        means, kept = _block_means(x, size)
+        if len(means) - SMOOTH - 1 < LEAST:
+            return ()
+        blocks, models = _blocks(kept.tobytes()), _slow_noise(kept.tobytes())
+    level = blocks.rest.T @ means
+    if not (level @ level) > (ROUNDING * len(means)) ** 2 * (means @ means):
+        return ()
+    rise = float(blocks.weights @ means)
+    found = [explained(means, one.modes, one.shape, one.logs, one.rise, POSSIBLE) for one in models]
+    most = max(one[2] for one in found)
+    chance = 2.0 * float(special.stdtr(len(blocks.rest.T), -abs(rise) / most))
+    early = float(blocks.early @ means) / rise if rise else 0.0
+    return (Drift(axis, rise, min(found)[1], chance, early),)
+
+
+def _block_means(x: Array, size: int) -> tuple[Array, Flags]:
+    """Return the means of the blocks that are filled, and which are."""
     count, total = np.zeros((2, BLOCKS))
     many = max(SIZE // size, 1)  # blocks that are summed together
     for b in range(0, BLOCKS, many):
@@ -106,34 +131,17 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
             count[own] += there
             total[own] += sums
     kept = count >= FILLED * size
-    means = total[kept] / count[kept]
-    if len(means) - SMOOTH - 1 < LEAST:
-        return ()
-    blocks = _blocks(kept.tobytes())
-    level = blocks.rest.T @ means
-    if not np.sum(level**2) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
-        return ()
-    curve, third = blocks.curve, blocks.third
-    rise = float(blocks.weights @ means)
-    found = [_explained(rise, means, one) for one in _slow_noise(kept.tobytes())]
-    u, chance = min(found)[1], max(one[2] for one in found)
-    early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
-    return (Drift(axis, rise, u, chance, early),)
+    return total[kept] / count[kept], kept
 
 
 @dataclass(frozen=True, eq=False)
 class _Blocks:
-    """Which blocks are kept: what a smooth curve leaves of their means, the curve through them, and a third of it."""
+    """Which blocks are kept: what a smooth curve leaves of their means, and how it rises, in all and in a third."""
 
     place: Array
     rest: Array
-    curve: Array  # means to the curve through them
-    third: int
-
-    @property
-    def weights(self) -> Array:
-        """Weights of the means in the rise of the curve."""
-        return np.asarray(self.curve[-1] - self.curve[0])
+    weights: Array  # of the means in the rise of the curve
+    early: Array  # in that of the first third
 
 
 @lru_cache(8)
@@ -143,14 +151,16 @@ def _blocks(kept: bytes) -> _Blocks:
     smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
     design = smooth[:, : DEGREE + 1]
     rest = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :]
-    return _Blocks(place, rest, design @ np.linalg.pinv(design), int(np.argmin(np.abs(place - 1.0 / 3.0))))
+    curve = design @ np.linalg.pinv(design)  # means to the curve through them
+    third = int(np.argmin(np.abs(place - 1.0 / 3.0)))
+    return _Blocks(place, rest, curve[-1] - curve[0], curve[third] - curve[0])
 
 
 @dataclass(frozen=True, eq=False)
 class _Slow:
     """White noise with shares of slow noise, in block means: what a smooth curve leaves of it as independent modes.
 
-    ``shape``, (shares, modes): variance of each mode over that of white noise, the sum of its logarithms (shares,), and
+    ``shape``, (modes, shares): variance of each mode over that of white noise, the sum of its logarithms (shares,), and
     the variance of the rise (shares,) over the same.
     """
 
@@ -169,29 +179,16 @@ def _slow_noise(kept: bytes) -> tuple[_Slow, ...]:
     for covariance in (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)):
         sizes, axes = np.linalg.eigh(rest.T @ covariance @ rest)
         share = np.concatenate([[0.0], SHARES]) / sizes.max()
-        shape = 1.0 + share[:, None] * np.maximum(sizes, 0.0)
+        shape = 1.0 + np.maximum(sizes, 0.0)[:, None] * share
         weights = blocks.weights
         slow = share * max(float(weights @ covariance @ weights), 0.0)
-        found.append(_Slow(axes.T @ rest.T, shape, np.sum(np.log(shape), axis=1), weights @ weights + slow))
+        modes = np.ascontiguousarray(axes.T @ rest.T)
+        found.append(_Slow(modes, shape, np.sum(np.log(shape), axis=0), weights @ weights + slow))
     return tuple(found)
 
 
-def _explained(rise: float, means: Array, slow: _Slow) -> tuple[float, float, float]:
-    """Return how well white noise with slow noise explains the means, and the rise.
-
-    Returns
-    -------
-    cost : float
-        Less is better.
-    u : float
-        Standard uncertainty of the rise, of the share of slow noise that explains the means best.
-    chance : float
-        Largest of such a rise, over all shares that explain them.
-    """
-    squares = (slow.modes @ means) ** 2
-    level = np.mean(squares / slow.shape, axis=1)
-    cost = 0.5 * (slow.logs + len(squares) * np.log(level))
-    u = np.sqrt(level * slow.rise)
-    best = int(np.argmin(cost))
-    there = u[cost <= cost[best] + POSSIBLE]
-    return float(cost[best]), float(u[best]), 2.0 * float(special.stdtr(len(squares), -abs(rise) / there.max()))
+@cache
+def _whole_blocks() -> tuple[_Blocks, tuple[_Slow, ...]]:
+    """Return both where all blocks are kept."""
+    kept = np.ones(BLOCKS, dtype=bool).tobytes()
+    return _blocks(kept), _slow_noise(kept)

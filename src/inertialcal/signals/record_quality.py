@@ -9,7 +9,7 @@ like noise that is not white: nobody can tell it from a filtered output without 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from ..core.batches import changed
 from ..core.errors import DataError
 from ..core.estimate import Array
 from .drift import Drift, drift_of
-from .segmentation.stillness import Disturbance, judge_in_pieces
+from .segmentation.stillness import Disturbance, judge_in_pieces, surely_still
+from .threads import LARGE
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +32,7 @@ class RecordQuality:
 
     def cleaned(self) -> Array:
         """Return the record with NaN where it is disturbed, shape (n,): itself where nowhere."""
-        if not self.disturbances:
-            return self.values
-        out = changed(self.values, np.array)
-        for one in self.disturbances:
-            out[one.first : one.last + 1] = np.nan
-        return out
+        return _cleaned(self.values, self.disturbances) if self.disturbances else self.values
 
 
 def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuality:
@@ -61,7 +57,16 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
+    if floor == 0.0 and len(values) < LARGE and surely_still(values):
+        return RecordQuality((), True, drift_of(values, 0, interval), values)
     rest = judge_in_pieces(values, floor)
     placed = () if rest is None else rest.disturbances
-    found = RecordQuality(placed, rest is None or rest.at_rest, (), values)
-    return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))
+    cleaned = _cleaned(values, placed) if placed else values
+    return RecordQuality(placed, rest is None or rest.at_rest, drift_of(cleaned, 0, interval), values)
+
+
+def _cleaned(values: Array, disturbances: tuple[Disturbance, ...]) -> Array:
+    out = changed(values, np.array)
+    for one in disturbances:
+        out[one.first : one.last + 1] = np.nan
+    return out

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from inertialcal.core.estimate import Array
 from inertialcal.signals import threads
-from inertialcal.signals.allan import _kernels, _kernels_missing, loops
+from inertialcal.signals.allan import _kernels, _kernels_missing, loops, noise_type
 
 ROUNDING = 1e-11  # relative: sums of squares of the kernels are not pairwise
 
@@ -82,6 +82,21 @@ def test_autocorrelations_of_averages_agree(seed: int, m: int, many: int, walk: 
     assert two == pytest.approx(one, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.parametrize("walk", [0.0, 0.1, 1.0])
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_exponents_of_averages_agree(walk: float, kind: type[np.floating[Any]]) -> None:
+    rng = np.random.default_rng(3)
+    x = (rng.normal(1e3, 1.0, 3000) + walk * rng.normal(size=3000).cumsum()).astype(kind)
+    factors, phases, found = 2 ** np.arange(10), np.empty((2, 3001)), np.empty((2, 10))
+    where, lost, known = noise_type._looked_at(3001, factors.tobytes(), 1)
+    for module, phase, out in zip((_kernels, loops), phases, found, strict=True):
+        module.integrate_all(x, 7, phase)
+        module.fill_exponents(phase, factors, where, lost, noise_type.SMALL_ENOUGH, known, out)
+    assert phases[1] == pytest.approx(phases[0], abs=1e-9)
+    assert found[1] == pytest.approx(found[0], rel=1e-9, abs=1e-9, nan_ok=True)
+    assert np.isfinite(found[0]).tolist() == (3000 // factors >= noise_type.FEWEST).tolist()
+
+
 @pytest.mark.parametrize("order", [2, 3])
 @pytest.mark.parametrize("longest", [[7], [2**16, 2**17], [40_000, 90_001]])
 def test_all_cores_sum_a_long_record(monkeypatch: pytest.MonkeyPatch, order: int, longest: list[int]) -> None:
@@ -131,6 +146,6 @@ def test_sums_of_records_with_gaps_agree(
 
 
 def test_short_records_do_without_a_compiler() -> None:
-    assert loops.loops_for(loops.SHORT) is loops.loops_with_gaps(loops.SHORT) is loops
-    assert loops.loops_for(loops.SHORT + 1) is _kernels
+    assert loops.loops_for(loops.FEW) is loops.loops_with_gaps(loops.SHORT) is loops
+    assert loops.loops_for(loops.FEW + 1) is _kernels
     assert loops.loops_with_gaps(loops.SHORT + 1) is _kernels_missing

@@ -156,6 +156,46 @@ def lag_one(
                 y[k, i] = y[k, i + 1] - y[k, i]
 
 
+@compiled
+def integrate_all(x: NDArray[Any], step: int, phase: NDArray[np.float64]) -> None:
+    """Fill ``phase`` as `integrate` does, less the mean of every so manieth sample."""
+    total, many = 0.0, 0
+    first = np.float64(x[0])
+    for i in range(0, len(x), step):
+        total += np.float64(x[i]) - first
+        many += 1
+    integrate(x, first + total / many, phase)
+
+
+@compiled
+def fill_exponents(
+    p: NDArray[Any], factors: Whole, places: Whole, lost: Array, small: float, known: Array, out: Array
+) -> None:
+    """Fill the exponent of the noise that averages tell at each factor; NaN where ``places`` (k, 3) are none.
+
+    ``places``, ``lost``: as `lag_one` takes them; ``known`` (k, times, exponents): autocorrelation of averages that are
+    differenced so often, in noise of exponent 2, 1, ... -2 times.
+    """
+    for k in range(len(factors)):
+        out[k] = np.nan
+        if places[k, 0] > 0:
+            r, times = lag_one(
+                p, factors[k], places[k, 0], places[k, 1], places[k, 2], lost[k], small, known.shape[1] - 1
+            )
+            out[k] = _exponent(r, known[k, times, : 2 * times + 3])
+
+
+@compiled
+def _exponent(r: float, steps: Array) -> float:
+    """Return the exponent of noise whose averages have a lag-1 autocorrelation, between those of whole exponents."""
+    if np.isnan(r):
+        return r
+    for i in range(len(steps)):
+        if r < steps[i]:
+            return 2.0 - i + (steps[i] - r) / (steps[i] - steps[i - 1]) if i > 0 else 2.0
+    return 3.0 - len(steps)
+
+
 # Sums of squares
 
 
@@ -271,7 +311,11 @@ def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Arr
 
 def sum_overlapping(p: NDArray[Any], factors: Whole, order: int, out: Array) -> None:
     """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over all starting points."""
-    parts = PARTS if len(p) >= LARGE else 1
+    if len(p) < LARGE:
+        out[:] = 0.0
+        _add_part(p, factors, order, 0, 1, out)
+        return
+    parts = PARTS
 
     def part_of(part: int) -> Array:
         found = np.zeros(len(factors))

@@ -28,6 +28,7 @@ from .total import total_variances
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0
+BY_TIME = ("edf", "deviation", "terms", "power", "inflation", "ends")  # what channels have at each averaging time
 FEW = 3  # channels that are named x, y, z where nobody says
 
 
@@ -75,12 +76,15 @@ def analyse_channel(
     power = power if noise == "auto" else np.full(len(factors), float(noise))
     identified = int(np.count_nonzero(np.isfinite(power)))
     power, edf = carried_on(power, kind, factors, found.terms)
-    variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
+    variance = found.variance
+    if missing:
+        variance = np.where(power >= WHITE, variance / found.inflation, variance)
     if kind.total:
         sizes = zip(factors.tolist(), found.terms.tolist(), power.astype(int).tolist(), strict=True)
         variance /= np.array([bias_of(kind, *one) for one in sizes])
     remarks: list[Remark] = []
-    flat, k, empty = not np.any(variance > 0.0), len(factors), int(np.count_nonzero(found.terms == 0))
+    k, empty = len(factors), int(np.count_nonzero(found.terms == 0)) if missing else 0
+    flat = not (variance > 0.0).any()
     if flat:
         power, edf = np.full((2, k), np.nan)
     if flat and empty < k:
@@ -212,22 +216,26 @@ def joined(
     remarks : tuple of Remark
         On the averaging times.
     """
-    edf = np.array([one.edf for one in columns]).T
-    found = np.array([one.deviation for one in columns]).T * (scale if quantity == "rate" else scale / interval)
+
+    if len(columns) == 1:
+        beside = {name: vars(columns[0])[name][:, None] for name in BY_TIME}
+    else:
+        beside = {name: np.array([getattr(one, name) for one in columns]).T for name in BY_TIME}
+    edf, found = beside["edf"], beside["deviation"] * (scale if quantity == "rate" else scale / interval)
     lo, hi = interval_of(found, edf, p)
     missing = np.array([one.missing for one in columns], dtype=np.int64)
     remarks += dead_time_remark(interval, averaging) + missing_remark(missing, samples, names)
     return Allan(
         tau=m.astype(np.float64) * interval,
         m=m,
-        n=np.array([one.terms for one in columns]).T,
+        n=beside["terms"],
         deviation=found,
         lo=lo,
         hi=hi,
         edf=edf,
-        power=np.array([one.power for one in columns]).T,
-        inflation=np.array([one.inflation for one in columns]).T,
-        ends=np.array([one.ends for one in columns]).T,
+        power=beside["power"],
+        inflation=beside["inflation"],
+        ends=beside["ends"],
         p=p,
         interval=interval,
         averaging=averaging,

@@ -123,6 +123,8 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
             if kind.order == ALLAN and not phase.pointwise:
                 missing.weights_of_ends(phase.count, factors, kind.overlapping, ends)
     size = factors.astype(np.float64) ** (4 if kind.modified else 2)
+    if phase.complete and len(terms) and terms[-1] > 0:  # fewer of longer ones
+        return Variances(sums / (kind.divisor * terms * size), terms, inflation, ends)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation, ends)
 

@@ -58,6 +58,7 @@ from .noise_type import identified
 from .prefix import Phase
 
 BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral
+FIRST = -4  # exponent of the reddest noise that a deviation converges for
 WHITE = 0.0
 LAGS = 32  # lags a window, of the autocorrelation behind the degrees of freedom ...
 GRADE = 0.1  # ... and how much farther each from a whole window where it has logarithms there
@@ -210,18 +211,27 @@ def interval(deviation: Array, edf: Array, p: float) -> tuple[Array, Array]:
 
 
 def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64], power: Array) -> Array:
-    """Return the degrees of freedom of one channel, shape (k,); NaN where the power is."""
-    found = np.full(len(factors), np.nan)
-    for k, (m, n, alpha) in enumerate(zip(factors.tolist(), terms.tolist(), power.tolist(), strict=True)):
-        if alpha == alpha:  # noqa: PLR0124 - not NaN
-            found[k] = degrees_of_freedom(kind, m, n, int(alpha))
-    return found
+    """Return the degrees of freedom of one channel, shape (k,), of whole powers."""
+    known, found = _degrees(kind, factors.tobytes(), terms.tobytes())
+    at = (power - FIRST).astype(np.int64), np.arange(len(factors))
+    if not known[at].all():
+        for k in np.flatnonzero(~known[at]).tolist():
+            row = int(at[0][k])
+            found[row, k] = degrees_of_freedom(kind, int(factors[k]), int(terms[k]), row + FIRST)
+            known[row, k] = True
+    return np.asarray(found[at])
+
+
+@lru_cache(maxsize=8)
+def _degrees(kind: Kind, factors: bytes, terms: bytes) -> tuple[NDArray[np.bool_], Array]:
+    """Return room for the degrees of freedom by power and averaging factor, and which are known: none at first."""
+    many = len(np.frombuffer(factors, np.int64))
+    return np.zeros((BLUEST + 1 - FIRST, many), dtype=bool), np.empty((BLUEST + 1 - FIRST, many))
 
 
 def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Array:
     """Return the exponent at each averaging factor, rising, shape (k,); NaN where averages are too few."""
-    found = [identified(phase, m, -kind.reddest // 2) for m in factors.tolist()]
-    return believed_powers(np.array(found), kind)
+    return believed_powers(identified(phase, factors, -kind.reddest // 2), kind)
 
 
 def believed_powers(found: Array, kind: Kind) -> Array:

@@ -7,6 +7,7 @@ differ by rounding.
 from __future__ import annotations
 
 import sys
+from functools import cache
 from types import ModuleType
 from typing import Any
 
@@ -14,30 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ..at_hand import Choice
 from .gaps import COMPLETE, FILL
 
-SHORT = 2**16  # points
-FEW = 500  # calls after which compiled loops pay, of those that give the same
+SHORT = 2**16  # points of a record with missing samples
+FEW = 2**12  # points of one without: its noise terms are found by compiled loops in any case
 PASCAL = {2: (1, -2, 1), 3: (-1, 3, -3, 1)}
 
 
 def loops_for(points: int) -> ModuleType:
     """Return the module with the loops over an integrated signal of so many points: this one, or the kernels."""
-    if points <= SHORT:
-        return sys.modules[__name__]
+    return sys.modules[__name__] if points <= FEW else _compiled()
+
+
+@cache
+def _compiled() -> ModuleType:
     from . import _kernels  # noqa: PLC0415 - starts slowly
 
     return _kernels
-
-
-def _compiled() -> object:
-    from . import _kernels  # noqa: PLC0415 - starts slowly
-
-    return _kernels
-
-
-alike = Choice(sys.modules[__name__], _compiled, SHORT, FEW)  # loops that give the same but for rounding nobody sees
 
 
 def loops_with_gaps(points: int) -> ModuleType:
@@ -56,6 +50,13 @@ def integrate(x: NDArray[Any], level: np.int64 | np.float64, phase: NDArray[Any]
         phase[1:] = np.cumsum(
             x.astype(phase.dtype) - level, dtype=np.int64 if phase.dtype == np.int64 else np.longdouble
         )
+
+
+def integrate_all(x: NDArray[Any], step: int, phase: NDArray[np.float64]) -> None:
+    """Fill ``phase`` as `integrate` does, less the mean of every so manieth sample."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        some = x[::step].astype(np.float64)
+        integrate(x, np.float64(some[0] + (some - some[0]).sum() / len(some)), phase)
 
 
 def integrate_present(
@@ -135,6 +136,26 @@ def lag_one(
         if not r >= small or times >= most:
             return r, times
         y, times = np.diff(y, axis=1), times + 1
+
+
+def fill_exponents(
+    p: NDArray[Any], factors: NDArray[np.int64], places: NDArray[np.int64], lost: Array, small: float, known: Array,
+    out: Array,
+) -> None:  # fmt: skip
+    """Fill the exponent of the noise that averages tell at each factor; NaN where ``places`` (k, 3) are none."""
+    for k, (m, place) in enumerate(zip(factors.tolist(), places.tolist(), strict=True)):
+        out[k] = np.nan
+        if place[0]:
+            r, times = lag_one(p, m, *place, float(lost[k]), small, known.shape[1] - 1)
+            out[k] = exponent_between(r, known[k, times, : 2 * times + 3])
+
+
+def exponent_between(r: float, steps: Array) -> float:
+    """Return the exponent of noise whose averages have a lag-1 autocorrelation, between those of whole exponents."""
+    for i, here in enumerate(steps.tolist()):
+        if r < here or np.isnan(r):
+            return float(2.0 - i + (here - r) / (here - steps[i - 1]) if i else 2.0 + 0.0 * r)
+    return 3.0 - len(steps)
 
 
 def sum_present(

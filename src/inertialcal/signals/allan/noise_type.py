@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...core.estimate import Array, Numbers
 from .autocovariance import covariance_of_terms, weights_of
 from .gaps import FILL
-from .loops import alike
+from .loops import exponent_between, loops_for
 from .prefix import Phase
 
 Whole = NDArray[np.int64]
@@ -41,20 +41,36 @@ def _stretches(points: int, m: int) -> tuple[int, int, int]:
     return (many, max(averages - 1, 0), m // many) if many > 1 else (1, averages, 0)
 
 
-def identified(phase: Phase, m: int, most: int) -> float:
-    """Return the exponent of the noise at an averaging factor; NaN for too few averages.
+def identified(phase: Phase, factors: Whole, most: int) -> Array:
+    """Return the exponent of the noise at averaging factors, shape (k,); NaN for too few averages.
 
     ``most`` is how often averages are differenced at most.
     """
-    p, count = phase.values, phase.count
-    if phase.complete:
-        many, size, apart = _stretches(len(p), m)
+    if not phase.complete:
+        return np.array([_identified_with_gaps(phase, m, most) for m in factors.tolist()])
+    where, lost, known = _looked_at(len(phase.values), factors.tobytes(), most)
+    found = np.empty(len(factors))
+    loops_for(len(phase.values)).fill_exponents(phase.values, factors, where, lost, SMALL_ENOUGH, known, found)
+    return found
+
+
+@lru_cache(maxsize=8)
+def _looked_at(points: int, factors: bytes, most: int) -> tuple[Whole, Array, Array]:
+    """Return which averages of a complete record are looked at, and what loops compare them with; not to be changed."""
+    sizes = np.frombuffer(factors, np.int64).tolist()
+    where, known = np.zeros((len(sizes), 3), np.int64), np.full((len(sizes), most + 1, 2 * most + 3), np.nan)
+    for k, m in enumerate(sizes):
+        many, size, apart = _stretches(points, m)
         shared = many if many > 1 and apart < m else 1
-        if many * size + shared <= FEWEST * shared:
-            return np.nan
-        lost = LINE / ((len(p) - 1) // m)
-        r, times = alike(len(p)).lag_one(p, m, many, size, apart, lost, SMALL_ENOUGH, most)
-        return _exponent(r, times, m)
+        if many * size + shared > FEWEST * shared:
+            where[k] = many, size, apart
+            for times in range(most + 1):
+                known[k, times, : 2 * times + 3] = _autocorrelations(m, times)
+    return where, LINE / ((points - 1) // np.array(sizes)), known
+
+
+def _identified_with_gaps(phase: Phase, m: int, most: int) -> float:
+    p, count = phase.values, phase.count
     at = places(len(p), m)
     y = 1.0 * np.diff(p[at], axis=1)
     if phase.pointwise:
@@ -90,16 +106,7 @@ def exponent_of(y: Array, kept: Array, at: Whole, m: int, points: int, most: int
             break
         kept = kept[:, 1:] * kept[:, :-1]
         y, times = kept * np.diff(y, axis=1), times + 1
-    return _exponent(float(r), times, m)
-
-
-def _exponent(r: float, times: int, m: int) -> float:
-    """Return the exponent of noise whose averages of m samples, differenced so often, have a lag-1 autocorrelation."""
-    steps = _autocorrelations(m, times)
-    for i, here in enumerate(steps):
-        if r < here or np.isnan(r):
-            return float(2.0 - i + (here - r) / (here - steps[i - 1]) if i else 2.0 + 0.0 * r)
-    return -2.0 * times
+    return exponent_between(float(r), np.array(_autocorrelations(m, times)))
 
 
 @lru_cache(maxsize=1024)

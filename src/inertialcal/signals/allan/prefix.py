@@ -23,6 +23,7 @@ from ...core.batches import batches, empty, thinned
 from ...core.errors import DataError
 from ...core.estimate import Numbers
 from ..names import Quantity
+from ..threads import LARGE
 from .loops import loops_for
 
 QUANTITIES = ("rate", "increment", "angle")
@@ -75,6 +76,10 @@ def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None =
 
 
 def _complete(x: Numbers, quantity: Quantity) -> Phase:
+    if x.dtype.kind == "f" and quantity != "angle" and len(x) < LARGE:
+        short = np.empty(len(x) + 1)
+        loops_for(len(short)).integrate_all(x, max(1, len(x) // LEVEL_FROM), short)
+        return Phase(short, NOTHING_MISSING, pointwise=False)
     level = level_of(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)

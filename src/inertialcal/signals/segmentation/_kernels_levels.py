@@ -11,7 +11,7 @@ from .._kernels import fill_moments
 
 __all__ = [
     "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud",
-    "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of",
+    "fill_moments", "fill_peaks", "fill_sums", "is_still", "margin", "sum_of",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]
@@ -331,6 +331,57 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
             unequal += x[i] != x[i - 1]
         variance[block], different[block] = squares / (size - 1), unequal
     return step if np.isfinite(step) else 0.0
+
+
+@compiled
+def is_still(
+    x: Array, size: int, alive: int, most: tuple[float, float, float], rounds: int, away: float, widest: int, w: int,
+    loud: float,
+) -> bool:  # fmt: skip
+    """Return whether samples show no change of level and no louder window, whatever the widest limits find.
+
+    ``size``, ``alive``, ``rounds``: of the blocks that the noise is told from, as ``noise_scale`` has them; ``most``:
+    part of them that must be live, quantile that is quiet and its usual value, largest variance of a quiet one.
+    ``away``: standard deviations of the difference of two means, ``widest``: of their windows, all of these as known
+    as can be; ``loud``: the same for the variance of ``w`` samples. True also where codes hide the noise, so that
+    nothing can be told; never where a sample is missing.
+    """
+    if not np.isfinite(sum_of(x)):
+        return False
+    live_share, low, usual, limit = most
+    variance, different = np.empty(len(x) // size), np.empty(len(x) // size, dtype=np.int64)
+    step = fill_blocks(x, size, variance, different)
+    living = variance[different >= alive]
+    if len(living) < max(2.0, live_share * len(variance)):
+        return True
+    rank = int(low * (len(living) - 1))
+    numbers = np.partition(living, rank)
+    after = numbers[rank]
+    if rank + 1 < len(numbers):
+        after = numbers[rank + 1 :].min()
+    pooled, many = (numbers[rank] + (low * (len(living) - 1) - rank) * (after - numbers[rank])) / usual, 0
+    for _ in range(rounds):
+        now, total = 0, 0.0
+        for value in living:
+            if value <= limit * pooled:
+                now += 1
+                total += value
+        if now == 0 or now == many:
+            break
+        many, pooled = now, total / now
+    scale = np.sqrt(pooled)
+    if scale < 0.5 * step:
+        return True
+    at = np.empty(1, dtype=np.int64)
+    if fill_far(x, np.sqrt(1.5) * away * scale, at) > 0:
+        return False
+    limits, width = np.empty(widest), 1
+    for k in range(widest):
+        limits[k] = away * (scale * np.sqrt(2.0 / width))
+        width *= 2
+    counts = np.zeros(widest, dtype=np.int64)
+    count_above(x, limits, counts)
+    return counts.sum() == 0 and fill_loud(x, np.array([0, len(x)]), w, loud * pooled, at) == 0
 
 
 @compiled

@@ -96,7 +96,7 @@ def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
 
 
 @cache
-def _of_quiet_blocks() -> tuple[float, float]:
+def of_quiet_blocks() -> tuple[float, float]:
     """Return the largest variance of a block that counts as quiet, and the first quantile, of those of unit noise."""
     dof = BLOCK - 1
     return float(chi_square_upper(QUIET_TAIL, dof)) / dof, float(chi_square_quantile(QUIET, dof)) / dof
@@ -104,7 +104,7 @@ def _of_quiet_blocks() -> tuple[float, float]:
 
 def _pool_quiet(variance: Array) -> tuple[float, int]:
     """Mean variance of the quiet blocks, and their number."""
-    limit, usual = _of_quiet_blocks()
+    limit, usual = of_quiet_blocks()
     pooled = quantile(variance, QUIET) / usual
     many = 0
     for _ in range(ROUNDS):

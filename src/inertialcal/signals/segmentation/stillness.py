@@ -11,6 +11,7 @@ it is at rest if three quarters of its samples lie in pieces that are.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 
 from ...core.batches import every, known_finite, release
 from ...core.estimate import Array
+from ...statistics.quantiles import f_upper, t_upper
+from .noise_scale import BLOCK, LIVE, LIVE_BLOCKS, QUIET, ROUNDS, of_quiet_blocks
 from .segments import Detection, detect
 
 SHORTEST = 200  # samples from which rest can be told
@@ -85,6 +88,35 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
     steps = int(np.sum(np.abs(np.diff(found.level[still, 0])) > SIGMAS * sigma))
     share = float(np.sum(length[still])) / len(values)
     return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances), widening)
+
+
+def surely_still(values: Array) -> bool:
+    """Return whether `judge` finds a channel at rest and undisturbed, or nothing to tell: one look, no search.
+
+    It need not say so: where the noise is not white, or anything stands out, only the search tells.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Evenly sampled, in any unit.
+    """
+    from ._kernels_levels import is_still  # noqa: PLC0415 - numba starts slowly
+
+    if len(values) < SHORTEST:
+        return True
+    limit, usual = of_quiet_blocks()
+    away, loud = _least_limits(len(values))
+    most = (LIVE_BLOCKS, QUIET, usual, limit)
+    return bool(is_still(values, BLOCK, LIVE, most, ROUNDS, away, len(PLAN.scales), PLAN.shortest, loud))
+
+
+@lru_cache(8)
+def _least_limits(n: int) -> tuple[float, float]:
+    """Return the limits of ``still_stretches`` for n samples, of levels and of variances, for a noise that is known."""
+    tail = 0.5 * PLAN.false_alarm / n
+    return float(t_upper(tail / (2.0 * (len(PLAN.scales) + 1)), np.inf)), float(
+        f_upper(tail, PLAN.shortest - 1.0, np.inf)
+    )
 
 
 def judge_in_pieces(x: NDArray[Any], floor: float = 0.0) -> Stillness | None:
