@@ -20,6 +20,7 @@ Samples = NDArray[Any]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
+PIECE = 64  # samples of a piece, as ``blocks`` has them
 SUB = 16  # samples in which a glitch is looked for at once
 SIDE = 15  # samples on each side that a running median takes
 WINDOW = 2 * SIDE + 1
@@ -33,6 +34,8 @@ COARSE = 8  # one sample in so many may lie near a rank
 LANES = 32  # runs of samples that medians are taken of at a time
 BINS = 512  # in which values are counted
 ROUNDED = 1.0 + 1e-9  # more than results may differ by rounding
+NEARLY = 1.0 + 1e-6  # more than a fit of some rounds may differ by it
+HUGE = 1e100  # numbers whose squares and sums are still far from the largest
 
 
 @compiled
@@ -407,22 +410,6 @@ def may_step(sums: Array, widths: Indices, limits: Array, sampled: int) -> bool:
 
 
 @compiled
-def may_wave(power: Array, first: int, lobe: int, beside: int, stands: float) -> bool:
-    """Return whether any power from ``first`` on stands out of the mean of those on either side, where there are."""
-    n = len(power)
-    for k in range(first, n):
-        high = True
-        for side in (power[max(k - lobe - beside, 0) : max(k - lobe, 0)], power[k + lobe + 1 : k + lobe + 1 + beside]):
-            total = 0.0
-            for value in side:
-                total += value
-            high &= len(side) == 0 or power[k] * ROUNDED >= stands * total / len(side)
-        if high:
-            return True
-    return False
-
-
-@compiled
 def fill_far(x: Samples, size: int, which: Indices, limit: float, low: float, at: Indices, off: Array) -> int:
     """Fill samples of the blocks ``which`` further than ``low`` from the running median, where some exceed ``limit``.
 
@@ -462,15 +449,38 @@ def smallest_step(rows: Array) -> float:
 
 
 @compiled
+def look(
+    x: Samples, bits: Samples, size: int, flip: Any, inf: Any, ranks: Indices, found: Array
+) -> tuple[bool, float, Array, Array, Array, Array, NDArray[np.int32]]:  # fmt: skip
+    """Fill ranks of the distances from the running median; return whether that is all, and what blocks hold.
+
+    Smallest step of the pieces of ``PIECE`` samples, and of each block least and largest sample, mean, half the mean
+    squared step and number of equal steps. Not of a record with samples that are missing or huge, or with coarse codes.
+    """
+    b = -(-len(x) // size)
+    lo, hi = np.empty(b, dtype=bits.dtype), np.empty(b, dtype=bits.dtype)
+    mean, rough = np.empty(b), np.empty(b)
+    same, count = np.empty(b, dtype=np.int32), np.empty(b, dtype=np.int32)
+    good = fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count) == 0
+    last = 8 * bits.itemsize - 1
+    for k in range(b):
+        lo[k], hi[k] = lo[k] ^ ((lo[k] >> last) & flip), hi[k] ^ ((hi[k] >> last) & flip)
+    least, largest = lo.view(x.dtype).astype(np.float64), hi.view(x.dtype).astype(np.float64)
+    good = good and least.min() > -HUGE and largest.max() < HUGE
+    step = np.inf
+    for first in range(0, len(x) // PIECE * PIECE if good else 0, PIECE):
+        row = x[first : first + PIECE]
+        for i in range(PIECE - 1):
+            apart = abs(np.float64(row[i + 1]) - np.float64(row[i]))
+            step = apart if 0.0 < apart < step else step
+    good = good and fill_ranked(x, len(x) // PIECE * PIECE, ranks, found)
+    return good, step if step < np.inf else 0.0, least, largest, mean, rough, same
+
+
+@compiled
 def may_show(
-    x: Samples,
-    bits: Samples,
-    size: int,
-    lo: Array,
-    hi: Array,
-    same: NDArray[np.int32],
-    limit: float,
-) -> bool:
+    x: Samples, bits: Samples, size: int, lo: Array, hi: Array, same: NDArray[np.int32], limit: float
+) -> bool:  # fmt: skip
     """Return whether a record without missing samples may hold glitches, or anything that is held or stored twice.
 
     It cannot, where no sample equals the one before, none is far from the running median (``fill_far``), no two are the
@@ -501,8 +511,18 @@ def may_show(
             return True
     prints, place = np.empty(b, dtype=np.uint64), np.empty(b, dtype=np.int32)
     fill_prints(bits, size, prints, place)
-    prints.sort()
-    return bool(np.any((prints[1:] == prints[:-1]) & (prints[1:] != 0)))
+    room = 64
+    while room < 2 * b:
+        room *= 2
+    table = np.zeros(room, dtype=np.uint64)
+    for own in prints:
+        at_own = np.int64(own & np.uint64(room - 1))
+        while own != 0 and table[at_own] != 0:
+            if table[at_own] == own:
+                return True
+            at_own = (at_own + 1) % room
+        table[at_own] = own
+    return False
 
 
 @compiled
@@ -687,3 +707,66 @@ def _sum_of_products(x: Array, y: Array) -> float:
     if len(u) > 2:
         c += u[2] * v[2]
     return (a + b) + (c + d)
+
+
+@compiled
+def _stands(power: Array, k: int, lobe: int, beside: int, stands: float) -> bool:
+    """Return whether a power stands out of the mean of those on either side, where there are."""
+    for side in (power[max(k - lobe - beside, 0) : max(k - lobe, 0)], power[k + lobe + 1 : k + lobe + 1 + beside]):
+        total = 0.0
+        for value in side:
+            total += value
+        if len(side) > 0 and power[k] * ROUNDED < stands * total / len(side):
+            return False
+    return True
+
+
+@compiled
+def may_wave(
+    power: Array, basis: Array, first: int, lobe: int, beside: int, stands: float, rounds: int, rare: float,
+    margin: float,
+) -> bool:  # fmt: skip
+    """Return whether any power from ``first`` on may be a wave: see ``levels.slow_wave``, of which this is a part.
+
+    ``basis`` (k, n): of the continuum; ``rare``: false alarms over the powers that are tested; ``margin``: of a limit.
+    """
+    n, k = len(power), first
+    while k < n and not _stands(power, k, lobe, beside, stands):
+        k += 1
+    if k == n:
+        return False
+    every = np.ones(n, dtype=np.bool_)
+    level, peak = _continuum(power, basis, every, rounds), first
+    for i in range(first, n):
+        if power[i] * level[peak] > power[peak] * level[i]:
+            peak = i
+    if not _stands(power, peak, lobe, beside, stands):
+        return False
+    order = peak + 1
+    for i in range(n):
+        off = (i + 1) % order
+        off = min(off, order - off) if i + 1 >= order else order - off
+        every[i] = off > lobe
+    dof = 0.5 * np.count_nonzero(every)
+    limit = margin * dof * (np.exp(-np.log(rare) / dof) - 1.0)
+    return power[peak] * NEARLY > limit * _continuum(power, basis, every, rounds)[peak]
+
+
+@compiled
+def _continuum(power: Array, basis: Array, used: Flags, rounds: int) -> Array:
+    """Return the continuum at all powers, fitted to those that are used."""
+    many = np.count_nonzero(used)
+    part, values, found, total = np.empty((len(basis), many)), np.empty(many), 0, 0.0
+    for i in range(len(power)):
+        if used[i]:
+            values[found], total = power[i], total + power[i]
+            for k in range(len(basis)):
+                part[k, found] = basis[k, i]
+            found += 1
+    weight = np.full(len(basis), total / many / len(basis))
+    fit_powers(part, values, rounds, weight)
+    level = np.zeros(len(power))
+    for k in range(len(basis)):
+        for i in range(len(power)):
+            level[i] += weight[k] * basis[k, i]
+    return level

@@ -7,6 +7,7 @@ them is small beside the record (``SHARE``), or small at all (``FREE``).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -101,16 +102,12 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
         raise DataError(f"a channel of {x.dtype}", do="Give integers or floats", code="bad_shape")
     known = np.dtype(np.float32) if x.dtype == np.float16 else x.dtype.newbyteorder("=")
     x = np.ascontiguousarray(x, dtype=known)
-    bits = x.view(np.dtype(f"i{x.dtype.itemsize}")) if x.dtype.kind == "f" else x
-    size, most = SMALLEST, max(FREE, int(SHARE * x.nbytes / EACH))
-    while size * most < len(x):
-        size *= 2
+    own_bits, flip, inf = bits_of(known)
+    bits, size = x.view(own_bits), size_of(len(x), x.nbytes)
     n = -(-len(x) // size)
     lo, hi = np.empty((2, n), dtype=bits.dtype)
     mean, rough = np.empty((2, n))
     same, count = np.empty((2, n), dtype=np.int32)
-    flip = _flip(x.dtype, bits.dtype)
-    inf: Any = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
     for first, stop in batches(x, whole=size):
         own = slice(first // size, -(-stop // size))
         part = slice(first, stop)
@@ -124,6 +121,22 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     if empty.any():
         lowest[empty] = highest[empty] = np.nan
     return Blocks(x, bits, size, lowest, highest, mean, rough, same, count)
+
+
+@cache
+def bits_of(kind: np.dtype[Any]) -> tuple[np.dtype[Any], Any, Any]:
+    """Return the type of the bits of samples, what they are turned by to be sorted, and those of infinity."""
+    bits = np.dtype(f"i{kind.itemsize}") if kind.kind == "f" else kind
+    flip = _flip(kind, bits)
+    return bits, flip, np.array(np.inf, dtype=kind).view(bits)[()] if flip else bits.type(0)
+
+
+def size_of(n: int, nbytes: int) -> int:
+    """Return the samples of a block of a record."""
+    size, most = SMALLEST, max(FREE, int(SHARE * nbytes / EACH))
+    while size * most < n:
+        size *= 2
+    return size
 
 
 def pieces(x: NDArray[Any], whole: bool = False) -> tuple[Indices, Array]:

@@ -10,6 +10,8 @@ the samples around allows such a difference at all.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import log, log10
 from typing import Any
 
 import numpy as np
@@ -27,7 +29,7 @@ NORMAL = ((0.6827, 1.0), (0.9545, 2.0), (0.99, 2.5758))  # quantiles of |x|, and
 TOP = 0.999  # highest quantile ...
 ABOVE = 10.0  # ... with so many samples above it at least
 HEAVY = 1.2  # of the tail of an exponential, at most: what is heavier is no noise
-BODY, EXPONENTIAL = 0.95, np.log(20.0)  # quantile that a tail is measured by
+BODY, EXPONENTIAL = 0.95, log(20.0)  # quantile that a tail is measured by
 RARE = 3.0  # decades: one record in 1,000
 STEPS = 3.5  # of the codes
 SKIRT = 0.5  # of the limit, that samples beside a glitch must exceed to be part of it
@@ -65,32 +67,60 @@ def scale_of(x: NDArray[Any], first: Indices, rows: Array, whole: bool = False) 
     """
     step = loops_for(len(x)).smallest_step(rows)
     many = rows.size if whole else int(np.count_nonzero(np.isfinite(rows)))
-    if many < FEWEST:
-        return Scale(0.0, step, np.inf)
+    return scale_from(len(x), many, step, _ranked(x, first, rows, many)) if many >= FEWEST else Scale(0.0, step, np.inf)
+
+
+@lru_cache(32)
+def ranks_of(many: int) -> tuple[Indices, list[int]]:
+    """Return the ranks of so many distances that a scale is taken from, each once, not to be changed; and their order.
+
+    Of the quantiles of the body, of a tail, and of both ends of what it is continued from.
+    """
+    at = [min(int(p * many), many - 1) for p in (*(p for p, _ in NORMAL), BODY, *_tail(many))]
+    ranks = sorted(set(at))
+    return np.array(ranks), [ranks.index(rank) for rank in at]
+
+
+def _tail(many: int) -> tuple[float, float]:
+    """Return the two highest quantiles."""
     top = min(TOP, 1.0 - ABOVE / many)
-    low = 1.0 - 10.0 * (1.0 - top)
-    levels = (*(p for p, _ in NORMAL), BODY, low, top)
-    at = [min(int(p * many), many - 1) for p in levels]
-    *body, middle, lower, upper = _ranked(x, first, rows, at)
+    return 1.0 - 10.0 * (1.0 - top), top
+
+
+def scale_from(n: int, many: int, step: float, ranked: Array) -> Scale:
+    """Return the scale of a record of n samples.
+
+    Parameters
+    ----------
+    n, many : int
+        Samples of the record, and distances that are ranked.
+    step : float
+        Smallest difference of neighbours.
+    ranked : ndarray, shape (r,)
+        Distances at the ranks of `ranks_of`.
+    """
+    known = ranked.tolist()
+    *body, middle, lower, upper = [known[k] for k in ranks_of(many)[1]]
+    top = _tail(many)[1]
     scales = [quantile / normal for quantile, (_, normal) in zip(body, NORMAL, strict=True)]
     if body[0] > 2.0 * step:  # not of codes
-        middle = min(middle, HEAVY * body[0] * float(EXPONENTIAL / -np.log(1.0 - NORMAL[0][0])))
+        middle = min(middle, HEAVY * body[0] * (EXPONENTIAL / -log(1.0 - NORMAL[0][0])))
         scales[1] = min(scales[1], middle / 2.0)
     if middle > 0.0:
-        scales[-1] = min(scales[-1], HEAVY * middle * np.log(100.0) / EXPONENTIAL / NORMAL[-1][1])
-        upper = min(upper, HEAVY * middle * -float(np.log(1.0 - top)) / EXPONENTIAL)
+        scales[-1] = min(scales[-1], HEAVY * middle * log(100.0) / EXPONENTIAL / NORMAL[-1][1])
+        upper = min(upper, HEAVY * middle * -log(1.0 - top) / EXPONENTIAL)
         lower = min(lower, upper)
-    decades = float(np.log10(len(x) * (1.0 - top))) + RARE
+    decades = log10(n * (1.0 - top)) + RARE
     limit = max(FAR * max(scales), upper + decades * (upper - lower), STEPS * step)
     return Scale(max(scales[0], 0.5 * step), step, limit)
 
 
-def _ranked(x: NDArray[Any], first: Indices, rows: Array, at: list[int]) -> list[float]:
-    """Return some ranks of the distances from the median around, of the samples of the pieces."""
-    ranks = sorted(set(at))
+def _ranked(x: NDArray[Any], first: Indices, rows: Array, many: int) -> Array:
+    """Return the distances from the median around at their ranks, of the samples of the pieces."""
+    ranks = ranks_of(many)[0]
     found = np.empty(len(ranks))
     beside = len(x) <= SUBSAMPLE  # pieces lie side by side
-    if not (beside and loops_for(len(x)).fill_ranked(x, rows.size, np.array(ranks), found)):
+    if not (beside and loops_for(len(x)).fill_ranked(x, rows.size, ranks, found)):
         off = np.empty_like(rows)
         for own in together(x, len(first)):
             loops_for(len(x)).fill_pieces(x, first[own], off[own])
@@ -98,8 +128,7 @@ def _ranked(x: NDArray[Any], first: Indices, rows: Array, at: list[int]) -> list
         size = np.abs(off[np.isfinite(off)])
         size.partition(ranks)
         found = size[ranks]
-    known = dict(zip(ranks, found.tolist(), strict=True))
-    return [known[rank] for rank in at]
+    return found
 
 
 def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches, Stretches]:

@@ -27,7 +27,7 @@ import numpy as np
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
-from .blocks import SMALLEST, Blocks
+from .blocks import SMALLEST
 from .loops import loops_for
 
 FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
@@ -155,15 +155,23 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
     return tuple(sorted(found, key=lambda one: one.at))
 
 
-def may_change(blocks: Blocks, step: float) -> bool:
-    """Return whether `noise_changes`, `level_steps` or `slow_wave` may find anything in blocks of a whole record."""
-    b, size = len(blocks), blocks.size
-    b -= len(blocks.x) - (b - 1) * size < FILLED * size  # blocks that count
-    least, middle = (COARSE * step) ** 2, blocks.mean[:b]
-    found = loops_for(len(blocks.x)).may_differ(
-        middle, blocks.rough[:b], least, EVEN, _noise_limits(b), *_step_limits(b), SAMPLED
-    )
-    return found or slow_wave(middle, 0.0) is not None
+def may_change(n: int, size: int, mean: Array, rough: Array, step: float) -> bool:
+    """Return whether `noise_changes`, `level_steps` or `slow_wave` may find anything in blocks of n whole samples.
+
+    Parameters
+    ----------
+    n, size : int
+        Samples of the record, and of a block.
+    mean, rough : ndarray, shape (b,)
+        Means and variances by block.
+    step : float
+        Of the codes.
+    """
+    b = len(mean)
+    b -= n - (b - 1) * size < FILLED * size  # blocks that count
+    given = _noise_limits(b), *_step_limits(b), SAMPLED
+    found = loops_for(n).may_differ(mean[:b], rough[:b], (COARSE * step) ** 2, EVEN, *given)
+    return found or slow_wave(mean[:b], 0.0) is not None
 
 
 @lru_cache(32)
@@ -274,9 +282,11 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     at, squared = _line(m)
     y = y - np.add.reduce(y) / m - at * float(at @ y) / squared
     p = np.abs(np.fft.rfft(y * _hann(m))[1 : last + 1]) ** 2
-    k = np.arange(1.0, last + 1.0)
-    if not p.min() > 0.0 or not loops_for(SMALLEST * m).may_wave(p, CYCLES - 1, LOBE, BESIDE, STANDS):
+    rare = FALSE_ALARM / (last - CYCLES + 1)
+    given = p, _basis(last), CYCLES - 1, LOBE, BESIDE, STANDS, ROUNDS, rare, MARGIN
+    if not p.min() > 0.0 or not loops_for(SMALLEST * m).may_wave(*given):
         return None
+    k = np.arange(1.0, last + 1.0)
     tested = k >= CYCLES
     level = _continuum(p, np.ones(last, dtype=bool))
     ratio = np.where(tested, p / level, 0.0)
@@ -288,7 +298,7 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     order = k[peak]
     clear = np.min(np.abs(k[:, None] - order * np.arange(1, last // order + 2)), axis=1) > LOBE
     level = _continuum(p, clear)
-    limit = float(-np.log(FALSE_ALARM / np.count_nonzero(tested)))
+    limit = float(-np.log(rare))
     # the level is known from few frequencies: an F distribution in place of an exponential one
     dof = 0.5 * np.count_nonzero(clear)
     limit = MARGIN * dof * (float(np.exp(limit / dof)) - 1.0)

@@ -64,8 +64,8 @@ from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
 from ..remembered import remembered
 from ..time.samples import Flags, Indices
-from .blocks import SUBSAMPLE, Blocks, blocks_of, pieces
-from .glitches import FEWEST, Scale, Stretches, far_samples, scale_of
+from .blocks import PIECE, SUBSAMPLE, Blocks, bits_of, blocks_of, pieces, size_of
+from .glitches import FEWEST, Scale, Stretches, far_samples, ranks_of, scale_from, scale_of
 from .held import HELD, Copy, Habits, Held, copies, habits_of, rails, repeats, stuck
 from .levels import FILLED, level_steps, may_change, noise_changes, slow_wave
 from .loops import loops_for
@@ -75,6 +75,7 @@ Code = Literal[
     "noise_change", "slow_wave",
 ]  # fmt: skip
 NO_READINGS: tuple[Code, ...] = ("glitch", "disturbed", "saturated", "stuck", "repeated", "missing")
+PLAIN = "bBhHiIlLqQfd"  # types of samples that loops take as they are
 HOLES: tuple[Code, ...] = ("disturbed", "stuck")  # of which no block has part in levels
 
 
@@ -154,7 +155,6 @@ class Screening:
         return out
 
 
-@remembered
 def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     """Look one channel through.
 
@@ -191,13 +191,44 @@ def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     x = np.asarray(x)
     if not len(x):
         return Screening((), 0, 0.0, 0.0)
+    sound = _sound(x, at_rest)
+    return _looked_through(x, at_rest) if sound is None else sound
+
+
+def _sound(x: NDArray[Any], at_rest: bool) -> Screening | None:
+    """Return what a short record shows in which nothing can be found; None where something may, which is searched.
+
+    Two looks in compiled loops; where these are not at hand, the search takes no longer.
+    """
+    n, kind = len(x), x.dtype
+    if not FEWEST <= n <= SUBSAMPLE or x.ndim > 1 or kind.char not in PLAIN or not kind.isnative:
+        return None
+    if not x.flags.c_contiguous:
+        return None
+    own, flip, inf = bits_of(kind)
+    bits, size, many, loops = x.view(own), size_of(n, x.nbytes), n // PIECE * PIECE, loops_for(n)
+    ranks = ranks_of(many)[0]
+    found = np.empty(len(ranks))
+    good, step, lo, hi, mean, rough, same = loops.look(x, bits, size, flip, inf, ranks, found)
+    if not good:
+        return None
+    scale = scale_from(n, many, step, found)
+    if loops.may_show(x, bits, size, lo, hi, same, scale.limit):
+        return None
+    if at_rest and scale.sigma > 0.0 and may_change(n, size, mean, rough, step):
+        return None
+    return Screening((), n, scale.sigma, scale.step)
+
+
+@remembered
+def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
     with np.errstate(over="ignore", invalid="ignore"):  # differences of the largest numbers
-        found = _looked_through(x, at_rest)
+        found = _searched(x, at_rest)
     release(x)  # of samples that are looked at here and there, a system may keep 2 MiB about each
     return found
 
 
-def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
+def _searched(x: NDArray[Any], at_rest: bool) -> Screening:
     blocks = blocks_of(x)
     found: dict[Code, Finding] = {}
     lost = len(x) - int(blocks.count.sum())
@@ -207,8 +238,6 @@ def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
         return Screening(tuple(found.values()), len(x), 0.0, 0.0)
     first, rows = pieces(blocks.x, whole=not lost)
     scale = scale_of(blocks.x, first, rows, whole=not lost) if len(x) >= FEWEST else Scale(0.0, 0.0, np.inf)
-    if not lost and FEWEST <= len(x) <= SUBSAMPLE and not _may_show(blocks, scale, at_rest):
-        return Screening((), len(x), scale.sigma, scale.step)
     short, long = far_samples(blocks, scale, at_rest)
     for code, one in (("glitch", short), ("disturbed", long)):
         if len(one.places):
@@ -227,14 +256,6 @@ def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
     return Screening(
         tuple(sorted(found.values(), key=lambda one: order.index(one.code))), len(x), scale.sigma, scale.step
     )
-
-
-def _may_show(blocks: Blocks, scale: Scale, at_rest: bool) -> bool:
-    """Return whether a whole, short record may show anything: where not, nothing is searched for."""
-    found = loops_for(len(blocks.x)).may_show(
-        blocks.x, blocks.bits, blocks.size, blocks.lo, blocks.hi, blocks.same, scale.limit
-    )
-    return found or (at_rest and scale.sigma > 0.0 and may_change(blocks, scale.step))
 
 
 def _missing(blocks: Blocks, lost: int) -> Finding:
