@@ -182,7 +182,7 @@ def test_lines_taken_out_leave_the_noise() -> None:
 
 def curve_of(tau: Array, deviation: Array, edf: Array) -> Allan:
     """Return what the comparison looks at of a measured curve."""
-    return cast("Allan", SimpleNamespace(tau=tau, deviation=deviation, edf=edf))
+    return cast("Allan", SimpleNamespace(tau=tau, deviation=deviation, edf=edf, interval=np.nan))
 
 
 def measured(x: Array, m: NDArray[np.int64]) -> Allan:

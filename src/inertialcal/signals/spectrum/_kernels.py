@@ -90,3 +90,84 @@ def _product(a: Array, b: Array) -> float:
     for i in range(len(a)):
         total += a[i] * b[i]
     return total
+
+
+@compiled
+def fill_tapered(x: Array, starts: Whole, taper: Array, out: Array) -> None:
+    """Fill segments (k, n), each less its mean, and weighted."""
+    n = len(taper)
+    for k in range(len(starts)):
+        part, row, level = x[starts[k] : starts[k] + n], out[k], _sum(x[starts[k] : starts[k] + n]) / n
+        for i in range(n):
+            row[i] = (part[i] - level) * taper[i]
+
+
+@compiled
+def add_power(turned: Array, power: Array) -> None:
+    """Add the squared magnitudes of transforms (k, 2 m), real and imaginary part in turn."""
+    for row in turned:
+        for i in range(len(power)):
+            power[i] += row[2 * i] * row[2 * i] + row[2 * i + 1] * row[2 * i + 1]
+
+
+@compiled
+def fill_sums(weights: Array, level: Array, neighbours: Array, sums: Array, spread: Array) -> None:
+    """Fill the sum of weights (k, n) times the level (n,), and the variance of such a sum, unscaled.
+
+    ``neighbours``: correlation of values so many places apart, 1 first.
+    """
+    parts = np.empty(len(level))
+    for k in range(len(weights)):
+        own = weights[k]
+        for i in range(len(level)):
+            parts[i] = own[i] * level[i]
+        sums[k], spread[k] = _sum(parts), _product(parts, parts)
+        for lag in range(1, min(len(neighbours), len(level))):
+            spread[k] += 2.0 * neighbours[lag] * _product(parts[lag:], parts[: len(parts) - lag])
+
+
+@compiled
+def continued(frequency: Array, density: Array, spacing: float, lowest: float, highest: float) -> float:
+    """Return the Allan variance from below the lowest frequency, for an averaging time of 1 s.
+
+    The density goes on there with the slope of its values, no steeper than a lowest and a highest one.
+    """
+    n = len(frequency)
+    if n == 0 or not density.min() > 0.0:
+        return 0.0
+    place, logs = np.log(frequency), np.log(density)
+    middle, level = place.mean(), logs.mean()
+    place -= middle
+    squares = _product(place, place)
+    slope = min(max(_product(place, logs) / squares, lowest), highest) if squares > 0.0 else 0.0
+    edge = frequency[0] - 0.5 * spacing
+    there = np.exp(level + slope * (np.log(edge) - middle))
+    return 2.0 * np.pi * np.pi * there * edge * edge * edge / (3.0 + slope)
+
+
+@compiled
+def may_stand_out(
+    density: Array, place: Array, edges: Whole, known: NDArray[np.bool_], count: Array, mean_place: Array,
+    slope_of: Array, bias: float, ratio: float,
+) -> bool:  # fmt: skip
+    """Return whether any density may exceed the level of the noise around it by a ratio; True also where one is none.
+
+    ``edges`` (4, n): first and stop of the neighbours, and of the peak among them; ``count``, ``mean_place``: of the
+    others; ``slope_of``: how far each lies from the mean place, over the scatter of the places, 0 where they have none;
+    ``bias``: of the mean logarithm.
+    """
+    n = len(density)
+    logs, sums, products = np.empty(n), np.zeros(n + 1), np.zeros(n + 1)
+    for i in range(n):
+        if not density[i] > 0.0:
+            return True
+        logs[i] = np.log(density[i])
+        sums[i + 1], products[i + 1] = sums[i] + logs[i], products[i] + place[i] * logs[i]
+    for i in range(n):
+        if known[i]:
+            a, b, c, d = edges[0, i], edges[1, i], edges[2, i], edges[3, i]
+            mean = (sums[b] - sums[a] - (sums[d] - sums[c])) / count[i]
+            slope = (products[b] - products[a] - (products[d] - products[c])) / count[i] - mean_place[i] * mean
+            if not density[i] < ratio * np.exp(mean + slope * slope_of[i] - bias):
+                return True
+    return False

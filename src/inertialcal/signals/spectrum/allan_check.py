@@ -68,42 +68,53 @@ def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
             do="Give multiples of the sample interval",
             code="bad_taus",
         )
-    inside, edf = _summed(spectrum, m.astype(np.int64))
+    with np.errstate(invalid="ignore"):
+        return _meant(spectrum, times, m.astype(np.int64))
+
+
+def _meant(spectrum: Spectrum, times: Array, m: NDArray[np.int64]) -> SpectralAllan:
+    """Return the deviation at averaging times that are so many samples, shape (k,)."""
+    inside, spread = _summed(spectrum, m)
     outside = _continued(spectrum) * (m[:, None] * spectrum.interval) ** 2
     variance = inside + outside
-    with np.errstate(invalid="ignore"):
-        share = outside / variance
-    return SpectralAllan(times, np.sqrt(variance), edf, share)
+    edf = spectrum.edf * inside**2 / spread
+    return SpectralAllan(times, np.sqrt(variance), edf, outside / variance)
 
 
 def _summed(spectrum: Spectrum, m: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return the Allan variance at m samples of the density as it is, and its degrees of freedom, shape (k, axes).
+    """Return the Allan variance at m samples of the density as it is, and its scatter squared, shape (k, axes).
+
+    The latter is that of values with a scatter of their own size.
 
     Frequencies are whole multiples k of 1 over the n samples of a segment, and sin^2(pi k / n) has the period n in k:
     all sines that any m needs stand in one table, taken at whole numbers without the rounding of large angles.
     """
-    n, order = spectrum.segment, np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64)
-    if len(order) * len(m) > SHORT:
-        from ._kernels import sums_of_windows  # noqa: PLC0415 - numba starts slowly
+    from ._kernels import fill_sums, sums_of_windows  # noqa: PLC0415 - numba starts slowly
 
-        fourth = _sines(n)
-        below = np.sqrt(fourth[order])
-        inside, edf = np.empty((2, len(m), spectrum.density.shape[1]))
-        spread = np.empty(len(m))
+    n = spectrum.segment
+    inside, spread = np.empty((2, spectrum.density.shape[1], len(m)))
+    if len(spectrum.frequency) * len(m) <= SHORT:
+        windows = _windows(n, spectrum.spacing, spectrum.frequency.tobytes(), m.tobytes())
         for axis, density in enumerate(spectrum.density.T):
-            level = density * (2.0 * spectrum.spacing / below)
-            sums_of_windows(level, fourth, order, m, spectrum.neighbours, inside[:, axis], spread)
-            with np.errstate(invalid="ignore"):
-                edf[:, axis] = spectrum.edf * inside[:, axis] ** 2 / spread
-        return inside, edf
-    return spectrum.summed(_windows(n, order.tobytes(), m.tobytes()) * spectrum.spacing)
+            fill_sums(windows, density, spectrum.neighbours, inside[axis], spread[axis])
+        return inside.T, spread.T
+    order, fourth = np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64), _sines(n)
+    below = np.sqrt(fourth[order])
+    for axis, density in enumerate(spectrum.density.T):
+        level = density * (2.0 * spectrum.spacing / below)
+        sums_of_windows(level, fourth, order, m, spectrum.neighbours, inside[axis], spread[axis])
+    return inside.T, spread.T
 
 
 @lru_cache(maxsize=2)  # records of one length share them
-def _windows(n: int, order: bytes, m: bytes) -> Array:
-    """Return the response of m samples at frequencies of whole orders, shape (k, frequencies), not to be changed."""
-    fourth, at, size = _sines(n), np.frombuffer(order, np.int64), np.frombuffer(m, np.int64)[:, None]
-    return np.asarray(2.0 * fourth[size * at % n] / (size.astype(np.float64) ** 2 * np.sqrt(fourth[at])))
+def _windows(n: int, spacing: float, frequency: bytes, m: bytes) -> Array:
+    """Return the response of m samples at frequencies, times their spacing, shape (k, frequencies); not to be changed.
+
+    Frequencies are whole multiples of the spacing.
+    """
+    fourth, at = _sines(n), np.rint(np.frombuffer(frequency) / spacing).astype(np.int64)
+    size = np.frombuffer(m, np.int64)[:, None]
+    return np.asarray(2.0 * spacing * fourth[size * at % n] / (size.astype(np.float64) ** 2 * np.sqrt(fourth[at])))
 
 
 @lru_cache(maxsize=2)
@@ -114,18 +125,10 @@ def _sines(n: int) -> Array:
 
 def _continued(spectrum: Spectrum) -> Array:
     """Variance from below the lowest frequency, for an averaging time of 1 s, shape (axes,)."""
-    few = min(LOWEST, len(spectrum.frequency))
-    place = np.log(spectrum.frequency[:few])
-    edge = float(spectrum.frequency[0]) - 0.5 * spectrum.spacing
-    found = np.zeros(spectrum.density.shape[1])
-    for axis in range(len(found)):
-        density = spectrum.density[:few, axis]
-        if np.all(density > 0.0):
-            logs, off = np.log(density), place - place.mean()
-            slope = float(np.clip((off @ logs) / (off @ off), *SLOPE))
-            there = float(np.exp(logs.mean() + slope * (np.log(edge) - place.mean())))
-            found[axis] = 2.0 * np.pi**2 * there * edge**3 / (3.0 + slope)
-    return found
+    from ._kernels import continued  # noqa: PLC0415 - numba starts slowly
+
+    few = spectrum.frequency[:LOWEST]
+    return np.array([continued(few, own[: len(few)], spectrum.spacing, *SLOPE) for own in spectrum.density.T])
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,18 +190,24 @@ def compare_allan(spectrum: Spectrum, curve: Allan, false_alarm: float = 0.01) -
     if np.shape(curve.deviation)[1:] != spectrum.density.shape[1:]:
         shapes = f"{np.shape(curve.deviation)[1:]} and {spectrum.density.shape[1:]}"
         raise DataError(f"Allan deviation and spectrum have different axes: {shapes}")
-    meant = allan_of_spectrum(spectrum, curve.tau)
-    usable = (meant.continued < MOST_CONTINUED) & np.isfinite(curve.deviation) & (curve.edf > 0.0)
-    usable &= (meant.deviation > 0.0) & np.isfinite(meant.edf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(usable, curve.deviation / meant.deviation, np.nan)
-        nearer = np.clip(ratio**2, 1.0 - ALLOWED, 1.0 + ALLOWED)
-        scaled = ratio**2 / nearer
-        chance = 2.0 * np.minimum(
-            special.fdtrc(curve.edf, meant.edf, scaled), special.fdtr(curve.edf, meant.edf, scaled)
-        )
-    inside = usable & (nearer == ratio**2)
-    chance = np.where(usable, np.where(inside, 1.0, np.minimum(chance, 1.0)), np.nan)
-    tested = np.maximum(usable.sum(axis=0), 1)
-    agree = ~np.any(chance < false_alarm / tested, axis=0)
-    return Agreement(meant.tau, ratio, chance, agree, int(usable.sum()), false_alarm)
+        if curve.interval == spectrum.interval:
+            meant = _meant(spectrum, curve.tau, curve.m)
+        else:
+            meant = allan_of_spectrum(spectrum, curve.tau)
+        usable = (meant.continued < MOST_CONTINUED) & np.isfinite(curve.deviation) & (curve.edf > 0.0)
+        usable &= (meant.deviation > 0.0) & np.isfinite(meant.edf)
+        ratio = curve.deviation / meant.deviation
+        variances = ratio * ratio
+        far = usable & ((variances < 1.0 - ALLOWED) | (variances > 1.0 + ALLOWED))
+    chance = usable.astype(np.float64)
+    if far.any():
+        one, other, scaled = curve.edf[far], meant.edf[far], variances[far]
+        scaled = scaled / np.minimum(np.maximum(scaled, 1.0 - ALLOWED), 1.0 + ALLOWED)
+        tail = np.minimum(special.fdtrc(one, other, scaled), special.fdtr(one, other, scaled))
+        chance[far] = np.minimum(2.0 * tail, 1.0)
+    if not usable.all():
+        ratio[~usable] = chance[~usable] = np.nan
+    tested = usable.sum(axis=0)
+    agree = ~(chance < false_alarm / np.maximum(tested, 1)).any(axis=0)
+    return Agreement(meant.tau, ratio, chance, agree, int(tested.sum()), false_alarm)

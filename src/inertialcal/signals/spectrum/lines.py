@@ -33,7 +33,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from inspect import unwrap
 from typing import Literal
 
@@ -62,6 +62,7 @@ KEPT = 2**17  # values of a spectrum, up to which the neighbours of each are kep
 SIDE = 6  # values nearest to a run on a side, that it must stand out of
 RARE = 1e-3  # probability from which on the tail of F is the lighter, the better the level is known
 NEARLY = 0.99  # of the ratio with that probability
+NONE = 1e-9  # more than levels may differ by rounding, relative
 STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 
@@ -140,12 +141,16 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
     marked = np.zeros(spectrum.density.shape, dtype=bool)
     tested = (np.inf, 0.0)
     for axis in range(spectrum.density.shape[1]):
+        known = _sure_of_none(spectrum, axis, false_alarm)
+        if known is not None:
+            tested = (min(tested[0], known[0]), max(tested[1], known[1]))
+            continue
         if not np.all(spectrum.density[:, axis] > 0.0):
             continue
         at, level = _standing_out(spectrum, axis, false_alarm)
-        known = spectrum.frequency[np.isfinite(level.level)]
-        if len(known):
-            tested = (min(tested[0], float(known[0])), max(tested[1], float(known[-1])))
+        there = spectrum.frequency[np.isfinite(level.level)]
+        if len(there):
+            tested = (min(tested[0], float(there[0])), max(tested[1], float(there[-1])))
         runs = [one for one in _runs(at, spectrum.lobe) if _above_both_sides(spectrum, axis, at, one, false_alarm)]
         standing = np.zeros(len(at), dtype=bool)
         for a, b in runs:
@@ -157,6 +162,56 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
     return Lines(tuple(found), marked, false_alarm, (low, high))
 
 
+def _sure_of_none(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[float, float] | None:
+    """Return the frequencies between which no value can stand out, looked at once; None where only the search tells."""
+    from ._kernels import may_stand_out  # noqa: PLC0415 - numba starts slowly
+
+    if len(spectrum.frequency) > KEPT:
+        return None
+    test = _test_of(
+        spectrum.frequency.tobytes(), spectrum.interval, spectrum.spacing, spectrum.lobe, float(spectrum.edf),
+        spectrum.neighbours.tobytes(), false_alarm,
+    )  # fmt: skip
+    if test is None:
+        return None
+    density = np.ascontiguousarray(spectrum.density[:, axis])
+    return None if may_stand_out(density, *test.given) else test.tested
+
+
+@dataclass(frozen=True, eq=False)
+class _Test:
+    """What a look at the values of a spectrum takes, and the lowest and highest frequency that has a level."""
+
+    given: tuple[Array, Indices, Flags, Array, Array, Array, float, float]
+    tested: tuple[float, float]
+
+
+@lru_cache(2)
+def _test_of(
+    frequency: bytes, interval: float, spacing: float, lobe: int, edf: float, neighbours: bytes, false_alarm: float
+) -> _Test | None:
+    """Return what spectra that are alike share; None of those in which no value has a level, or too few are tested."""
+    around = _found_neighbours(frequency, interval, spacing, lobe, edf)
+    tested = np.frombuffer(frequency)[around.known]
+    if not len(tested) or false_alarm / len(tested) >= RARE:
+        return None
+    least = _least_ratio(edf, around.dof(edf, np.frombuffer(neighbours))[around.known], false_alarm / len(tested))
+    edges = np.stack((around.first, around.stop, around.own_first, around.own_stop))
+    slope_of, bias = np.where(around.sloped, around.off / around.width, 0.0), _bias(edf)
+    given = around.place, edges, around.known, around.count, around.mean_place, slope_of, bias, least * (1.0 - NONE)
+    return _Test(given, (float(tested[0]), float(tested[-1])))
+
+
+def _least_ratio(edf: float, dof: Array, chance: float) -> float:
+    """Return a ratio that noise exceeds with more than a probability, however well its level is known."""
+    return float(NEARLY * special.fdtri(edf, np.nanmax(dof, initial=1.0), 1.0 - chance))
+
+
+def _bias(edf: float) -> float:
+    """Return the mean of the logarithm of a value over its level."""
+    return float(special.digamma(0.5 * edf) - np.log(0.5 * edf))
+
+
 def _unlikely(spectrum: Spectrum, axis: int, level: Background, chance: float) -> Flags:
     """Which values noise shows at most with a probability; none where there is no level.
 
@@ -166,7 +221,7 @@ def _unlikely(spectrum: Spectrum, axis: int, level: Background, chance: float) -
         ratio = spectrum.density[:, axis] / level.level
         found = ratio > 0.0
         if chance < RARE:
-            found &= ratio > NEARLY * special.fdtri(spectrum.edf, np.nanmax(level.dof, initial=1.0), 1.0 - chance)
+            found &= ratio > _least_ratio(spectrum.edf, level.dof, chance)
     at = np.flatnonzero(found)
     found[at] = special.fdtrc(spectrum.edf, level.dof[at], ratio[at]) < chance
     return np.asarray(found)
@@ -289,17 +344,11 @@ def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
     logs, place = np.log(spectrum.density[:, axis]), around.place
     if marked.any():
         around = around.without(marked)
-    known, count, mean_place, square = around.known, around.count, around.mean_place, around.square
+    known, count, mean_place = around.known, around.count, around.mean_place
     mean_log, product = (around.summed(np.where(marked, 0.0, values)) / count for values in (logs, place * logs))
-    width, off = square - mean_place**2, place - mean_place
-    sloped = known & (width > STRAIGHT**2)
-    slope = np.where(sloped, product - mean_place * mean_log, 0.0) / np.where(sloped, width, 1.0)
-    own = 0.5 * spectrum.edf
-    spread = special.polygamma(1, own) * (1.0 + 2.0 * float(np.sum(spectrum.neighbours[1:])))
-    raised = np.where(sloped, 1.0 + off**2 / np.where(sloped, width, 1.0), 1.0)
-    variance = np.where(known, spread * raised / count, 0.1)
-    dof = 2.0 / variance + 1.0 - variance / 6.0  # trigamma(dof / 2) = variance, to 1e-3 below 0.2
-    level = np.exp(mean_log + slope * off - (special.digamma(own) - np.log(own)))
+    slope = np.where(around.sloped, product - mean_place * mean_log, 0.0) / around.width
+    level = np.exp(mean_log + slope * around.off - _bias(spectrum.edf))
+    dof = around.dof(spectrum.edf, spectrum.neighbours)
     return Background(np.where(known, level, np.nan), np.where(known, dof, np.nan))
 
 
@@ -316,6 +365,29 @@ class Neighbours:
     count: Array
     mean_place: Array
     square: Array  # mean of the squared places
+
+    @cached_property
+    def off(self) -> Array:
+        """Distance of each from the mean place."""
+        return self.place - self.mean_place
+
+    @cached_property
+    def sloped(self) -> Flags:
+        """Whether places scatter enough for a slope."""
+        return self.known & (self.square - self.mean_place**2 > STRAIGHT**2)
+
+    @cached_property
+    def width(self) -> Array:
+        """Variance of the places; 1 where there is no slope."""
+        return np.where(self.sloped, self.square - self.mean_place**2, 1.0)
+
+    def dof(self, edf: float, neighbours: Array) -> Array:
+        """Return the degrees of freedom of the level of values with so many, and correlations ``neighbours``."""
+        spread = special.polygamma(1, 0.5 * edf) * (1.0 + 2.0 * float(np.sum(neighbours[1:])))
+        raised = np.where(self.sloped, 1.0 + self.off**2 / self.width, 1.0)
+        variance = np.where(self.known, spread * raised / self.count, 0.1)
+        found: Array = 2.0 / variance + 1.0 - variance / 6.0  # trigamma(dof / 2) = variance, to 1e-3 below 0.2
+        return found
 
     def summed(self, values: Array) -> Array:
         """Return the sum of values around each."""

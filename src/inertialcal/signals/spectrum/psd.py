@@ -17,6 +17,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +38,10 @@ PARTS = 8  # of a record, in the length of a segment, by default
 LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
 HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
 AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
+FEW = 2**16  # so few at once
 PAIRS = 2  # of long segments in a share, at least: to touch fresh memory for their sum takes a third of a transform
 SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
+FIRST = 64  # samples that are looked at first, whether all are equal
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
 
@@ -85,20 +88,50 @@ def psd(
         If method, segment, time bandwidth or probability are out of range.
     """
     values = _checked(x, interval, method, time_bandwidth, p)
-    gaps = stretches_of(values)
-    shortest = SHORTEST if method == "welch" else int(np.ceil(0.5 * SHORTEST * time_bandwidth))
-    length = _length(len(values), gaps, method, segment, shortest)
-    tapers = hann(length) if method == "welch" else slepian(length, float(time_bandwidth))
-    starts = gaps.starts(length, tapers.step)
-    density = _averaged(values, starts, tapers, interval)
-    edf, neighbours = correlations(tapers, starts)
-    first, stop = usable(tapers)
-    used = sum(int(one[-1] - one[0]) + length for one in starts)
-    frequency = np.arange(first, stop) / (length * interval)
+    whole = len(values) <= near() and bool(np.isfinite(values).all())
+    gaps = _whole(len(values)) if whole else stretches_of(values)
+    laid = (_laid_out_whole if whole else _laid_out)(gaps, len(values), method, segment, float(time_bandwidth))
+    length, first, stop = laid.tapers.weights.shape[1], laid.first, laid.stop
+    density = _averaged(values, laid.starts, laid.tapers, interval)
     return Spectrum(
-        frequency, density[first:stop], edf, neighbours, tapers.lobe, tapers.enbw / (length * interval), interval,
-        length, sum(len(one) for one in starts), used, gaps.missing, method, p, _remarks(values, gaps, used, length),
+        np.arange(first, stop) / (length * interval), density[first:stop], laid.edf, laid.neighbours, laid.tapers.lobe,
+        laid.enbw / (length * interval), interval, length, laid.segments, laid.used, gaps.missing, method, p,
+        _remarks(values, gaps, laid.used, length),
     )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """Segments of a record, and what follows from where they lie."""
+
+    tapers: Tapers
+    starts: Indices  # first samples of all segments, ascending
+    segments: int
+    used: int  # samples that lie in one
+    edf: float
+    neighbours: Array
+    first: int  # usable frequencies, as `usable` has them
+    stop: int
+    enbw: float
+
+
+def _laid_out(gaps: Stretches, n: int, method: Method, segment: int | None, time_bandwidth: float) -> _Layout:
+    shortest = SHORTEST if method == "welch" else int(np.ceil(0.5 * SHORTEST * time_bandwidth))
+    length = _length(n, gaps, method, segment, shortest)
+    tapers = hann(length) if method == "welch" else slepian(length, time_bandwidth)
+    starts = gaps.starts(length, tapers.step)
+    used = sum(int(one[-1] - one[0]) + length for one in starts)
+    every, counted = np.concatenate(starts), correlations(tapers, tuple(map(len, starts)))
+    return _Layout(tapers, every, len(every), used, *counted, *usable(tapers), tapers.enbw)
+
+
+_laid_out_whole = lru_cache(8)(_laid_out)  # of records without a gap, which have one object of `_whole` by their length
+
+
+@lru_cache(8)
+def _whole(n: int) -> Stretches:
+    """Return the one stretch of a record without a gap."""
+    return Stretches(np.array([0]), np.array([n]), 0)
 
 
 def _checked(x: Numbers, interval: float, method: str, time_bandwidth: float, p: float) -> Array:
@@ -149,39 +182,38 @@ def _fitting(n: int, gaps: Stretches, wanted: int, shortest: int) -> int:
     return max(shortest, int(fft.prev_fast_len(length, real=True)))
 
 
-def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: float) -> Array:
+def _averaged(values: Array, every: Indices, tapers: Tapers, interval: float) -> Array:
     """Mean of the one-sided densities of all segments under all tapers, shape (n // 2 + 1, axes).
 
     Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
     """
+    from ._kernels import add_power, fill_tapered  # noqa: PLC0415 - numba starts slowly
+
     count, length = tapers.weights.shape
-    every = np.concatenate(starts)
     in_steps = columns_of(length) > 1
     at_once = 2 * PAIRS if in_steps else max(1, AT_ONCE // length)
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
+    if count * len(every) * length <= FEW:
+        at_once, shares = len(every), [every]
     total, rooms = np.empty((length // 2 + 1, values.shape[1])), list[Room]()
     for axis, x in enumerate(values.T):
-        segments = np.lib.stride_tricks.sliding_window_view(x, length)
 
-        def power(share: Indices, x: Array = x, segments: Array = segments) -> Array:
+        def power(share: Indices, x: Array = x) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
             if in_steps:
                 return power_of(x, share, tapers.weights, rooms)
             found = np.zeros(length // 2 + 1)
             for i in range(0, len(share), at_once):
                 some = share[i : i + at_once]
-                part = segments[some]
-                part -= part.mean(axis=1, keepdims=True)
+                part = np.empty((len(some), length))
                 for weights in tapers.weights:
-                    turned = fft.rfft(part * weights, axis=1).view(np.float64)
-                    turned *= turned
-                    squares = turned.sum(axis=0) if len(turned) > 1 else turned[0]
-                    found += squares[0::2] + squares[1::2]
+                    fill_tapered(x, some, weights, part)
+                    add_power(np.fft.rfft(part, axis=1).view(np.float64), found)
                 release(values[some[0] : some[-1] + length])
             return found
 
-        found, *others = each_of(power, shares, count * len(every) * length)
+        found, *others = [power(every)] if len(shares) == 1 else each_of(power, shares, count * len(every) * length)
         for other in others:
             found += other
         total[:, axis] = folded(found) if in_steps else found
@@ -207,7 +239,10 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
 
 def _is_constant(x: Array) -> bool:
     """Return whether the finite samples, shape (n,), differ by no more than rounding: what differs so far stays so."""
-    low, high = np.inf, -np.inf
+    few, low, high = x[:FIRST], np.inf, -np.inf
+    least, largest = np.minimum.reduce(few, initial=np.inf), np.maximum.reduce(few, initial=-np.inf)
+    if np.inf > largest - least > CONSTANT * max(abs(least), abs(largest)):
+        return False
     for first, stop in batches(x, size=near()):
         least, largest = extremes(x[first:stop], infinite=False)
         low, high = float(np.fmin(low, least)), float(np.fmax(high, largest))

@@ -84,28 +84,29 @@ def usable(tapers: Tapers) -> tuple[int, int]:
     return max(removed, smoothed, apart), n // 2 - apart + 1
 
 
-def correlations(tapers: Tapers, starts: list[NDArray[np.int64]]) -> tuple[float, Array]:
+@lru_cache(8)
+def correlations(tapers: Tapers, segments: tuple[int, ...]) -> tuple[float, Array]:
     """Return degrees of freedom of a value, and the correlation with those next to it.
 
     Parameters
     ----------
     tapers : Tapers
         Of each segment.
-    starts : list of ndarray of int
-        First samples of the segments, a stretch an entry.
+    segments : tuple of int
+        How many there are in each stretch.
 
     Returns
     -------
     edf : float
         ``2 / (relative variance)``.
     neighbours : ndarray, shape (2 lobe + 1,)
-        Correlation of values 0, 1, ... spacings apart.
+        Correlation of values 0, 1, ... spacings apart; not to be changed.
     """
     k, n = tapers.weights.shape
-    total = sum(len(one) for one in starts)
+    total = sum(segments)
     variance = np.zeros(2 * tapers.lobe + 1)
     for lag in range(0, n, tapers.step):
-        pairs = sum(max(0, len(one) - lag // tapers.step) for one in starts)
+        pairs = sum(max(0, many - lag // tapers.step) for many in segments)
         if pairs:
             variance += (1.0 if lag == 0 else 2.0) * pairs * _shared(tapers, lag)
     variance /= (total * k) ** 2

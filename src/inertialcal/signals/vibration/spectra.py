@@ -163,7 +163,7 @@ def cross_spectra(x: Array, interval: float, segment: int, chosen: NDArray[np.bo
         turned = fft.rfft(part, axis=2)
         total += np.einsum("mik,mjk->kij", turned, np.conj(turned))
     total *= 2.0 * interval / len(every)
-    edf, neighbours = correlations(tapers, starts)
+    edf, neighbours = correlations(tapers, tuple(map(len, starts)))
     used = sum(int(one[-1] - one[0]) + segment for one in starts)
     stop = (segment + 1) // 2
     frequency = np.arange(1, stop) / (segment * interval)
