@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
-from inertialcal.signals.segmentation.stillness import judge
+from inertialcal.signals.segmentation.stillness import judge, surely_still
 
 
 def _noise(seed: int, n: int = 6000) -> Array:
@@ -70,3 +70,24 @@ def test_adding_a_constant_and_scaling_change_nothing() -> None:
     )
     assert (here.first, here.last) == (scaled.first, scaled.last) == (shifted.first, shifted.last)
     assert here.peak == pytest.approx(scaled.peak) == pytest.approx(shifted.peak)
+
+
+def test_what_is_surely_still_is_judged_so() -> None:
+    sure = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(150, 4000))
+        x = rng.normal(size=n)
+        one = seed % 8
+        x[n // 2] += 9.0 * (one == 1)
+        x[n // 2 : n // 2 + 40] += 3.0 * (one == 2)
+        x[n // 3 :] += 0.5 * (one == 3)
+        x = {4: np.cumsum(x), 5: np.rint(0.3 * x), 6: np.where(np.arange(n) < n // 4, 3.0 * x, x), 7: 0.0 * x}.get(
+            one, x
+        )
+        if surely_still(x):
+            found = judge(x)
+            sure += 1
+            assert found is None or (found.at_rest and not found.disturbances)
+        assert not surely_still(np.append(x, [np.nan] * 200))
+    assert 10 < sure < 30

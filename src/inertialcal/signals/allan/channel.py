@@ -216,7 +216,6 @@ def joined(
     remarks : tuple of Remark
         On the averaging times.
     """
-
     if len(columns) == 1:
         beside = {name: vars(columns[0])[name][:, None] for name in BY_TIME}
     else:

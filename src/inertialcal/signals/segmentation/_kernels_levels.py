@@ -334,6 +334,25 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
 
 
 @compiled
+def _quiet_variance(variance: Array, low: float, usual: float, limit: float, rounds: int) -> float:
+    """Return the mean variance of the quiet blocks, as ``noise_scale`` has it."""
+    rank = int(low * (len(variance) - 1))
+    numbers = np.partition(variance, rank)
+    after = numbers[rank + 1 :].min() if rank + 1 < len(numbers) else numbers[rank]
+    pooled, many = (numbers[rank] + (low * (len(variance) - 1) - rank) * (after - numbers[rank])) / usual, 0
+    for _ in range(rounds):
+        now, total = 0, 0.0
+        for value in variance:
+            if value <= limit * pooled:
+                now += 1
+                total += value
+        if now in (0, many):
+            break
+        many, pooled = now, total / now
+    return pooled
+
+
+@compiled
 def is_still(
     x: Array, size: int, alive: int, most: tuple[float, float, float], rounds: int, away: float, widest: int, w: int,
     loud: float,
@@ -348,27 +367,12 @@ def is_still(
     """
     if not np.isfinite(sum_of(x)):
         return False
-    live_share, low, usual, limit = most
     variance, different = np.empty(len(x) // size), np.empty(len(x) // size, dtype=np.int64)
     step = fill_blocks(x, size, variance, different)
     living = variance[different >= alive]
-    if len(living) < max(2.0, live_share * len(variance)):
+    if len(living) < max(2.0, most[0] * len(variance)):
         return True
-    rank = int(low * (len(living) - 1))
-    numbers = np.partition(living, rank)
-    after = numbers[rank]
-    if rank + 1 < len(numbers):
-        after = numbers[rank + 1 :].min()
-    pooled, many = (numbers[rank] + (low * (len(living) - 1) - rank) * (after - numbers[rank])) / usual, 0
-    for _ in range(rounds):
-        now, total = 0, 0.0
-        for value in living:
-            if value <= limit * pooled:
-                now += 1
-                total += value
-        if now == 0 or now == many:
-            break
-        many, pooled = now, total / now
+    pooled = _quiet_variance(living, most[1], most[2], most[3], rounds)
     scale = np.sqrt(pooled)
     if scale < 0.5 * step:
         return True
