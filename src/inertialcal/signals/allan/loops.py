@@ -146,7 +146,8 @@ def fill_exponents(
     for k, (m, place) in enumerate(zip(factors.tolist(), places.tolist(), strict=True)):
         out[k] = np.nan
         if place[0]:
-            r, times = lag_one(p, m, *place, float(lost[k]), small, known.shape[1] - 1)
+            many, size, apart = place
+            r, times = lag_one(p, m, many, size, apart, float(lost[k]), small, known.shape[1] - 1)
             out[k] = exponent_between(r, known[k, times, : 2 * times + 3])
 
 

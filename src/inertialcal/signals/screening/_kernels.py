@@ -749,7 +749,7 @@ def may_wave(
         every[i] = off > lobe
     dof = 0.5 * np.count_nonzero(every)
     limit = margin * dof * (np.exp(-np.log(rare) / dof) - 1.0)
-    return power[peak] * NEARLY > limit * _continuum(power, basis, every, rounds)[peak]
+    return bool(power[peak] * NEARLY > limit * _continuum(power, basis, every, rounds)[peak])
 
 
 @compiled

@@ -349,13 +349,13 @@ def _quiet_variance(variance: Array, low: float, usual: float, limit: float, rou
         if now in (0, many):
             break
         many, pooled = now, total / now
-    return pooled
+    return float(pooled)
 
 
 @compiled
 def is_still(
-    x: Array, size: int, alive: int, most: tuple[float, float, float], rounds: int, away: float, widest: int, w: int,
-    loud: float,
+    x: Array, size: int, alive: int, most: tuple[float, float, float, float], rounds: int, away: float, widest: int,
+    w: int, loud: float,
 ) -> bool:  # fmt: skip
     """Return whether samples show no change of level and no louder window, whatever the widest limits find.
 

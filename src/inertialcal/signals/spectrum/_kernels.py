@@ -142,7 +142,7 @@ def continued(frequency: Array, density: Array, spacing: float, lowest: float, h
     slope = min(max(_product(place, logs) / squares, lowest), highest) if squares > 0.0 else 0.0
     edge = frequency[0] - 0.5 * spacing
     there = np.exp(level + slope * (np.log(edge) - middle))
-    return 2.0 * np.pi * np.pi * there * edge * edge * edge / (3.0 + slope)
+    return float(2.0 * np.pi * np.pi * there * edge * edge * edge / (3.0 + slope))
 
 
 @compiled
