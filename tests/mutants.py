@@ -429,9 +429,7 @@ MUTANTS = (
     ),
     Mutant("loops.py", "3: (-1, 3, -3, 1)", "3: (-1, 3, 3, 1)", "test_allan_published"),
     Mutant("autocovariance.py", "k * k - (i - shift) ** 2", "k * k + (i - shift) ** 2", "test_allan_edf"),
-    Mutant(
-        "noise_type.py", "(here - r) / (here - steps[i - 1])", "(r - here) / (here - steps[i - 1])", "test_allan_edf"
-    ),
+    Mutant("_kernels.py", "(steps[i] - r) / (steps[i] - ", "(r - steps[i]) / (steps[i] - ", "test_allan_loops"),
     Mutant(
         "edf.py", "exponent = BLUEST - power + 2 * modified", "exponent = BLUEST - power + modified", "test_allan_edf"
     ),

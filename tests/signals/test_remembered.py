@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from inertialcal.signals import _kernels
 from inertialcal.signals import remembered as module
 from inertialcal.signals.remembered import forget, remembered
-from inertialcal.signals.screening.screen import screen
+from inertialcal.signals.screening.screen import _searched, screen
 from inertialcal.signals.segmentation.ramps import find_ramps
 from inertialcal.signals.segmentation.segments import detect
 from inertialcal.signals.segmentation.still_stretches import Detection, still_stretches
@@ -133,7 +133,7 @@ def test_nobody_writes_into_what_others_get(samples: int) -> None:
 def test_a_screening_is_that_of_the_samples_now(seed: int) -> None:
     rng = np.random.default_rng(seed)
     x: NDArray[np.float64] = np.round(rng.normal(size=300), 2)
-    alone = screen.__wrapped__  # type: ignore[attr-defined]
+    alone = _searched
     for at_rest in (True, False):
         for _ in range(2):
             assert repr(screen(x, at_rest)) == repr(alone(x, at_rest))

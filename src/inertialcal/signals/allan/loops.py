@@ -18,7 +18,7 @@ from ...core.estimate import Array
 from .gaps import COMPLETE, FILL
 
 SHORT = 2**16  # points of a record with missing samples
-FEW = 2**16  # points of one without: its noise terms are found by compiled loops in any case
+FEW = 2**12  # points of one without: its noise terms are found by compiled loops in any case
 PASCAL = {2: (1, -2, 1), 3: (-1, 3, -3, 1)}
 
 

@@ -17,7 +17,7 @@ from ...core.batches import batches, is_stored, known_finite, release
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ..time.samples import Indices
-from .loops import loops_for
+from .loops import Whole, loops_for
 
 SMALLEST = 16  # samples of a block
 FREE = 2**14  # blocks that any record may have
@@ -124,11 +124,11 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
 
 
 @cache
-def bits_of(kind: np.dtype[Any]) -> tuple[np.dtype[Any], Any, Any]:
+def bits_of(kind: np.dtype[np.generic]) -> tuple[np.dtype[np.generic], Whole, Whole]:
     """Return the type of the bits of samples, what they are turned by to be sorted, and those of infinity."""
     bits = np.dtype(f"i{kind.itemsize}") if kind.kind == "f" else kind
     flip = _flip(kind, bits)
-    return bits, flip, np.array(np.inf, dtype=kind).view(bits)[()] if flip else bits.type(0)
+    return bits, flip, bits.type(np.array(np.inf, dtype=kind).view(bits).item() if flip else 0)
 
 
 def size_of(n: int, nbytes: int) -> int:

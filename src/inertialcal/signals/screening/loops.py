@@ -232,7 +232,7 @@ class Loops:
 
     @staticmethod
     def look(
-        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, inf: Any, ranks: Indices, found: Array
+        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Whole, inf: Whole, ranks: Indices, found: Array
     ) -> tuple[bool, float, Array, Array, Array, Array, NDArray[np.int32]]:
         """Return that this is not all: the searches themselves take no longer here."""
         none = np.empty(0)
