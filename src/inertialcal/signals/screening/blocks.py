@@ -126,7 +126,7 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
 @cache
 def bits_of(kind: np.dtype[np.generic]) -> tuple[np.dtype[np.generic], Whole, Whole]:
     """Return the type of the bits of samples, what they are turned by to be sorted, and those of infinity."""
-    bits = np.dtype(f"i{kind.itemsize}") if kind.kind == "f" else kind
+    bits: Any = np.dtype(f"i{kind.itemsize}") if kind.kind == "f" else kind
     flip = _flip(kind, bits)
     return bits, flip, bits.type(np.array(np.inf, dtype=kind).view(bits).item() if flip else 0)
 
