@@ -26,10 +26,7 @@ from .study import (
     Study,
     capability_text,
     conforming_text,
-    drift_text,
     mean_text,
-    odd_text,
-    off_text,
     scatter_text,
     share_text,
 )
@@ -64,10 +61,7 @@ def lot_page(found: Study, lot: str, title: str = "") -> str:
     template = environment().get_template("data.html")
     for one in drawn:
         blocks[f"data-{one.key}"] = Markup(template.render(key=one.key, tables=one.data()))  # noqa: S704 - a template did
-    findings = [
-        *(off_text(one) for one in found.off), *(drift_text(one) for one in found.drifting),
-        *(odd_text(one) for one in found.odd),
-    ]  # fmt: skip
+    findings = list(found.findings())
     more = len(findings) - MOST_FINDINGS
     data, embedded = _data(found)
     judged = [(one, each) for one in found.figures for each in one.limits]
@@ -150,16 +144,20 @@ def _gauge(found: Study) -> list[Shown]:
 
 
 def _units(found: Study) -> Shown:
-    """Return the units that need a look: in quarantine, not passed, of another kind."""
+    """Return the units that need a look: in quarantine, not passed, with errors, of another kind."""
     table, odd = found.table, {one.serial for one in found.odd}
+    wrong: dict[int, list[str]] = {}
+    for one in table.wrong:
+        wrong.setdefault(one.row, []).append(f"{one.test} {one.code.replace('_', ' ')}".strip())
     rows = []
     for row, (serial, state, verdict) in enumerate(zip(table.serials, table.statuses, table.verdicts, strict=True)):
         why = [table.reasons[row].replace("_", " ")] if state != "done" else []
+        why += wrong.get(row, [])
         why += ["of another kind"] * (serial in odd)
         why += [
-            f"{each.requirement} {one.figure.name} {settled(table.values[row, k], table.u[row, k])} {one.figure.unit}"
+            f"{each.requirement} {one.figure.name} {settled(table.told[row, k], table.u[row, k])} {one.figure.unit}"
             for one in found.figures for each in (judged.limits for judged in one.limits)
-            if each.verdicts[row] > 0 and math.isfinite(table.values[row, k := table.figures.index(one.figure)])
+            if each.verdicts[row] > 0 and math.isfinite(table.told[row, k := table.figures.index(one.figure)])
         ]  # fmt: skip
         if why:
             rows.append((state != "done", verdict == "FAIL", [serial, verdict if state == "done" else "quarantined",
@@ -194,7 +192,7 @@ def _data(found: Study) -> tuple[Markup, str]:
             f"quarantined: {table.reasons[row].replace('_', ' ')}"  # fmt: skip
         if station is not None:
             about += f", {found.columns.station} {station[1][station[0][row]]}"
-        units.append({"serial": table.serials[row], "about": about, "values": _cells(table.values[row, columns]),
+        units.append({"serial": table.serials[row], "about": about, "values": _cells(table.told[row, columns]),
                       "u": _cells(table.u[row, columns], 2)})  # fmt: skip
     content = json.dumps({"figures": figures, "units": units}, separators=(",", ":"))
     for sign in "<>&":

@@ -6,8 +6,9 @@ first test counts; the others serve the gauge. Quarantined units have no figures
 What a station shares is taken from `[standards]`: errors of standards that are not drawn anew for each unit (rate,
 temperature), one draw a station. Where the uncertainty of a figure has other parts that units share, they count as the
 unit's own. Where repeated tests scatter by more or less than the tests state (``understated``, ``overstated``), what is
-seen counts in place of what is stated. Stations that are off and units of
-another kind are left out of mean, scatter and capability, and counted; of yields nothing is left out.
+seen counts in place of what is stated. Stations that are off, units of
+another kind and tests with errors are left out of mean, scatter and capability, and counted; of yields nothing is left
+out.
 
 Findings are judged so that a lot in which nothing is wrong has a finding of each kind in at most 5 %: stations, levels
 of other columns, drift, outliers, each over all figures.
@@ -34,7 +35,7 @@ from ..statistics.population.gauge import Gauge, gauge
 from ..statistics.population.outliers import Outliers, Uncertain, outliers
 from ..statistics.population.risks import Risks, Share, risks, share
 from ..statistics.population.scatter import Capability, Population, population
-from .table import JUDGED, Figure, Limits, Table
+from .table import JUDGED, Figure, Limits, Table, Wrong
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -133,6 +134,11 @@ class Study:
                  "parameters": [{"name": name, "deviation": far} for name, far in one.parameters]}
                 for one in self.odd
             ],
+            "wrong_tests": [
+                {"serial": self.table.serials[one.row], "test": one.test, "code": one.code, "what": one.what,
+                 "count": one.count}
+                for one in self.table.wrong
+            ],
             "off": [
                 {"column": one.column, "level": one.level, "figure": one.figure.name, "test": one.figure.test,
                  "offset": one.found.offset, "u": one.found.u, "allowed": one.found.allowed, "unit": one.figure.unit,
@@ -175,10 +181,16 @@ class Study:
             )
             rows = [_judged_row(one, each) for one, each in judged]
             parts.append(Shown(heads, rows, "figures with limits", (2, 3, 4, 5, 7, 8)))
-        lines = [*(off_text(one) for one in self.off), *(drift_text(one) for one in self.drifting)]
-        lines += [odd_text(one) for one in self.odd]
+        lines = list(self.findings())
         parts += lines[:SHOWN] + ([f"... {len(lines) - SHOWN} more: see report.html"] if lines[SHOWN:] else [])
         return tuple(parts)
+
+    def findings(self) -> Iterator[str]:
+        """Yield what stands out, in words."""
+        yield from (off_text(one) for one in self.off)
+        yield from (drift_text(one) for one in self.drifting)
+        yield from (wrong_text(self.table.serials[one.row], one) for one in self.table.wrong)
+        yield from (odd_text(one) for one in self.odd)
 
 
 def study(table: Table, columns: Columns) -> Study:
@@ -209,7 +221,7 @@ def study(table: Table, columns: Columns) -> Study:
         centred = y - np.array([next(one.mean for one in at_station if one.number == s) for s in stations[rows]]) \
             if at_station else y  # fmt: skip
         for name, (level, called) in factors.items():
-            found = levels(centred, level[rows], 0.0, len(usable) * len(factors))
+            found = levels(centred, level[rows], 0.0, len(usable) * len(factors), max(len(at_station) - 1, 0))
             off += [Off(name, called[one.number], table.figures[k], one) for one in found if one.off]
         known = np.isfinite(place[rows])
         change = along(y[known], place[rows][known], stations[rows][known], len(usable)) if known.sum() > 1 else None
@@ -337,7 +349,8 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
     ]
     if over:
         what = f"{_names(over)}: figures scatter less than their uncertainties allow: these are stated too large"
-        do = "Look for parts of the uncertainty that all units share, or for copied recordings"
+        do = "Look for parts of the uncertainty that all units share, for terms that a test chooses by itself " \
+             "(a plan that says 'auto'), or for copied recordings"  # fmt: skip
         found.append(Remark("overstated", "warning", what, count=len(over), do=do))
     under = [
         one
@@ -457,6 +470,12 @@ def drift_text(one: FigureStudy) -> str:
     u = found.u * abs(found.change / found.slope) if found.slope else 0.0
     change = with_uncertainty(found.change, u)
     return f"along the lot: {one.figure.test} {one.figure.name} changes by {change} {one.figure.unit}"
+
+
+def wrong_text(serial: str, one: Wrong) -> str:
+    """Say what is wrong with a test of a unit."""
+    more = f" (and {one.count - 1} more)" if one.count > 1 else ""
+    return f"unit {serial}: {one.test + ': ' if one.test else ''}{one.what}{more}"
 
 
 def odd_text(one: Odd) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -68,6 +68,17 @@ class Limits:
     verdicts: NDArray[np.int8]  # index into ``JUDGED``
 
 
+@dataclass(frozen=True)
+class Wrong:
+    """A test of a unit with an error: what it read is not what the campaign says."""
+
+    row: int
+    test: str
+    code: str
+    what: str  # Of the first
+    count: int
+
+
 @dataclass(frozen=True, eq=False)
 class Table:
     """Figures of a lot.
@@ -78,7 +89,7 @@ class Table:
         Of each row.
     figures : tuple of Figure, length k
         Columns.
-    values, u, dof : ndarray, shape (n, k)
+    told, u, dof : ndarray, shape (n, k)
         NaN where a row has no such figure; degrees of freedom may be infinite.
     common : ndarray, shape (n, k)
         Part of u that all units of a station share by its standards.
@@ -88,6 +99,8 @@ class Table:
         Of the models, as ``Figure.parameter`` names them: which rows have each, ndarray of bool, shape (n,).
     columns : pyarrow.Table
         What the table of units says beside the serial.
+    wrong : tuple of Wrong
+        Tests with errors.
     """
 
     serials: tuple[str, ...]
@@ -95,16 +108,25 @@ class Table:
     verdicts: tuple[str, ...]
     reasons: tuple[str, ...]
     figures: tuple[Figure, ...]
-    values: Array
+    told: Array
     u: Array
     dof: Array
     common: Array
     limits: Mapping[int, tuple[Limits, ...]]
     parameters: Mapping[tuple[str, str, str, int], NDArray[np.bool_]]
     columns: pa.Table
+    wrong: tuple[Wrong, ...] = ()
 
     def __len__(self) -> int:
         return len(self.serials)
+
+    @cached_property
+    def values(self) -> Array:
+        """What statistics are made of, shape (n, k): as told, NaN in tests with errors."""
+        made = self.told.copy()
+        for one in self.wrong:
+            made[one.row, [one.test in (figure.test, "") for figure in self.figures]] = np.nan
+        return made
 
     @cached_property
     def own(self) -> Array:
@@ -197,7 +219,7 @@ def read_table(parts: Sequence[Path], names: Sequence[str]) -> Table:
     made = _Made()
     for path in parts:
         made.add(pq.read_table(path, columns=["serial", "status", "verdict", "reason_code", "results", "verdicts",
-                                              *names]))  # fmt: skip
+                                              "remarks", *names]))  # fmt: skip
     if not made.heads:
         raise DataError("a lot without a unit", code="no_units")
     return made.table()
@@ -212,6 +234,7 @@ class _Made:
         self.limits: list[tuple[float | None, float | None]] = []
         self.cells: list[tuple[Any, ...]] = []  # row, column, value, u, dof, common: arrays
         self.judged: list[tuple[Any, ...]] = []  # row, number of the limit, verdict: arrays
+        self.wrong: list[Wrong] = []
         self.heads: list[pa.Table] = []
         self.count = 0
         self.parameters: dict[tuple[Any, ...], int] = {}
@@ -219,7 +242,7 @@ class _Made:
 
     def add(self, part: pa.Table) -> None:
         first, self.count = self.count, self.count + part.num_rows
-        self.heads.append(part.drop_columns(["results", "verdicts"]))
+        self.heads.append(part.drop_columns(["results", "verdicts", "remarks"]))
         rows, found = _flattened(part["results"], first)
         keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
         keep = pc.and_(keep, pc.equal(found["status"], "estimated"))
@@ -240,6 +263,7 @@ class _Made:
         for number in range(known, len(self.asked)):
             one = int(np.flatnonzero(at == number)[0])
             self.limits.append(tuple(None if np.isnan(end[one]) else float(end[one]) for end in (lower, upper)))  # type: ignore[arg-type]
+        self.wrong += _wrong(part["remarks"], first)
         words = found["verdict"].to_pylist()
         self.judged.append((rows, at, np.array([JUDGED.index(w) if w in JUDGED else -1 for w in words], dtype=np.int8)))
 
@@ -274,7 +298,7 @@ class _Made:
                  for name in ("serial", "status", "verdict", "reason_code")}  # fmt: skip
         rest = head.drop_columns(list(texts))
         return Table(texts["serial"], texts["status"], texts["verdict"], texts["reason_code"], figures, values, u, dof,
-                     common, self._limits(figures), self._modelled(), rest)  # fmt: skip
+                     common, self._limits(figures), self._modelled(), rest, tuple(self.wrong))  # fmt: skip
 
     def _modelled(self) -> dict[tuple[str, str, str, int], NDArray[np.bool_]]:
         has = np.zeros((self.count, len(self.parameters)), dtype=bool)
@@ -301,6 +325,16 @@ def _figure(key: Sequence[Any]) -> Figure:
     test, quantity, axis, sensor, power, what, at, at_unit, condition, unit = key
     return Figure(test or "", quantity or "", axis or "", sensor or "", int(power or 0), what or "", at, at_unit or "",
                   condition or "", unit or "")  # fmt: skip
+
+
+def _wrong(column: pa.ChunkedArray, first: int) -> list[Wrong]:
+    rows, found = _flattened(column, first)
+    bad = np.asarray(pc.equal(found["severity"], "error").to_numpy(zero_copy_only=False), dtype=bool)
+    made: dict[tuple[int, str], Wrong] = {}
+    for row, one in zip(rows[bad].tolist(), found.filter(pa.array(bad)).to_pylist(), strict=True):
+        known = made.get((row, one["test"]), Wrong(row, one["test"], one["code"], one["what"], 0))
+        made[row, one["test"]] = replace(known, count=known.count + 1)
+    return list(made.values())
 
 
 def _flattened(column: pa.ChunkedArray, first: int) -> tuple[NDArray[np.intp], pa.Table]:

@@ -51,7 +51,7 @@ class Level:
         Of them.
     offset, u : float
         How far it lies from the mean of the levels that are not off, and the standard uncertainty of that by the
-        scatter of units alone.
+        scatter of units alone: of a level that is off with that of the others.
     allowed : float
         Standard deviation that is stated for such differences: standards and units together.
     p : float
@@ -70,7 +70,7 @@ class Level:
     off: bool
 
 
-def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1) -> list[Level]:
+def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1, spent: int = 0) -> list[Level]:
     """Return the levels of a factor that have units.
 
     Parameters
@@ -83,19 +83,21 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
         Standard uncertainty of what all units of one level share, drawn anew for each level.
     figures : int
         How many figures are judged together.
+    spent : int
+        Degrees of freedom that were taken off the figures before: where means of stations were, one for each but one.
     """
     sizes = np.bincount(at)
     known = np.flatnonzero(sizes)
     n = sizes[known].astype(np.float64)
     means = np.bincount(at, values)[known] / n
-    free = values.size - known.size
+    free = values.size - known.size - spent
     rest = values - (np.bincount(at, values) / np.maximum(sizes, 1))[at]
     square = float(rest @ rest) / max(free, 1)
     if known.size < 2 or free < 1 or not square > (ROUNDING * float(np.abs(values).max())) ** 2:
         return [Level(int(k), int(m), float(v), 0.0, math.nan, math.nan, 1.0, False)
                 for k, m, v in zip(known, n, means, strict=True)]  # fmt: skip
     fixed = square / n + common**2
-    told, spread = (means, fixed) if common else _scored(values, at, known, n)
+    told, spread = (means, fixed) if common else _scored(values, at, n, free)
     most = square * free / float(special.chdtri(free, 1.0 - P / figures)) / n  # that may be behind what is seen
     seen = most / (most + common**2) if common else np.ones(known.size)
     kept = np.ones(known.size, dtype=bool)
@@ -116,8 +118,10 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
     centre = float(weights @ means[chosen]) / float(weights.sum())
     found = []
     for i, k in enumerate(known):
-        others = 1.0 / float(weights.sum())
-        u, allowed = math.sqrt(square / n[i]), math.sqrt(fixed[i] + (0.0 if i in chosen else others))
+        beside = i not in chosen  # else it is one of those that it is set against
+        others = 1.0 / float(weights.sum()) if beside else 0.0
+        scatter = float(weights**2 @ (square / n[chosen])) * others**2
+        u, allowed = math.sqrt(square / n[i] + scatter), math.sqrt(fixed[i] + others)
         found.append(
             Level(int(k), int(n[i]), float(means[i]), float(means[i]) - centre, u, allowed, float(p_of[i]),
                   not bool(kept[i]))
@@ -125,12 +129,13 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
     return found
 
 
-def _scored(values: Array, at: NDArray[np.intp], known: NDArray[np.intp], n: Array) -> tuple[Array, Array]:
+def _scored(values: Array, at: NDArray[np.intp], n: Array, free: int) -> tuple[Array, Array]:
     """Return means of normal scores and their variances: they are right for any population."""
     scores = normal_scores(values)
-    means = np.bincount(at, scores)[known] / n
-    rest = scores - (np.bincount(at, scores) / np.maximum(np.bincount(at), 1))[at]
-    return means, float(rest @ rest) / (values.size - known.size) / n
+    sizes = np.bincount(at)
+    means = np.bincount(at, scores) / np.maximum(sizes, 1)
+    rest = scores - means[at]
+    return means[sizes > 0], float(rest @ rest) / free / n
 
 
 def normal_scores(values: Array) -> Array:
