@@ -90,6 +90,12 @@ def test_a_table_of_units_that_is_none_is_refused(tmp_path: Path, units: str, co
     assert codes(path)[0][0] in {code, "damaged_file"}
 
 
+def test_the_heading_of_serial_numbers_is_called_serial(tmp_path: Path) -> None:
+    path = lot_of(tmp_path / "lot", "serial = 'Nr'\nfolder = '{Nr}'\n", "Nr\n1\n")
+    with pytest.raises(InertialcalError, match="called 'serial' from there on"):
+        load_lot(path)
+
+
 def test_serial_numbers_stay_text_and_other_columns_keep_their_types(tmp_path: Path) -> None:
     path = lot_of(tmp_path / "lot", "folder = '{serial}'\n", "serial,when,n\n0012,2026-01-02T03:04:05,3\n0013,,4\n")
     units = load_lot(path).units

@@ -13,7 +13,7 @@ from inertialcal.core.show.tables import text
 from inertialcal.lots.drawn import content_of_lot
 from inertialcal.lots.page import lot_page
 from inertialcal.lots.study import Columns, study
-from inertialcal.lots.table import JUDGED, Figure, Limits, Table
+from inertialcal.lots.table import JUDGED, Figure, Limits, Table, Wrong
 from inertialcal.statistics.population.scatter import Population
 
 U_RATE = 0.03  # of a station's table [%]
@@ -119,6 +119,29 @@ def test_odd_units_are_named_and_in_no_capability() -> None:
     assert population is not None
     assert population.scatter == pytest.approx(SCATTER["bias"], rel=0.12)
     assert found.passed.of == 400
+
+
+def test_tests_with_errors_are_named_and_in_no_population() -> None:
+    """Dwells in rad/s, axes that are exchanged: few units scatter by what is no scatter of theirs."""
+    drawn = lot(24, 4)
+    told = drawn.told.copy()
+    told[[3, 7]] = 0.017 * told[[3, 7]] - 98.0
+    wrong = (
+        Wrong(3, "test", "unit_disagrees", "x reads +0.017 of the rate", 2),
+        Wrong(7, "", "disturbed", "it was", 1),
+    )
+    found = study(Table(**{**vars(drawn), "told": told, "wrong": wrong}), LINE)
+    population = found.figures[0].found
+    assert population is not None
+    assert population.scatter < 0.4
+    assert "unit U0003: test: x reads +0.017 of the rate (and 1 more)" in text(found.parts())
+    assert [(one["serial"], one["code"]) for one in found.content()["wrong_tests"]] == [
+        ("U0003", "unit_disagrees"),
+        ("U0007", "disturbed"),
+    ]
+    page = lot_page(found, "wrong")
+    assert "test unit disagrees" in page
+    assert "unit U0007: it was" in page
 
 
 @pytest.mark.parametrize("form", ["{0:02d}.03.2026 08:00", "{0}.3.2026", "2026-03-{0:02d}T08:00:00", "heute"])

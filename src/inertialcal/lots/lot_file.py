@@ -251,6 +251,8 @@ def _names(lot: Lot, at: At) -> Iterator[Problem]:
     for key, column in used:
         if column not in known:
             what, do = f"{'.'.join(key)}: the table of units has no column {column!r}", f"It has: {', '.join(known)}"
+            named_so = f"LOT.toml names it as that of the serial number, which is called {SERIAL!r} from there on"
+            do = named_so if column == file.serial else do
             yield Problem(what, at(*key), do=do, code="unknown_column")
     for text in file.options:
         if text not in lot.changes:

@@ -41,6 +41,13 @@ def changed(readings: Readings, run: int, change: object) -> Readings:
     return replace(readings, sweeps=tuple(sweeps))
 
 
+@pytest.mark.parametrize("runs", [1, 3])
+def test_a_stuck_channel(runs: int) -> None:
+    """Its bias would be known to nothing at all."""
+    remarks = found(changed(bench(runs), 0, lambda y: np.full_like(y, 1.234e-4)))
+    assert [(one.code, one.severity, one.where) for one in remarks] == [("constant", "error", "run1.csv")]
+
+
 @pytest.mark.parametrize("runs", [3, 5])
 @pytest.mark.parametrize(("factor", "code"), [(-1.0, "sign_disagrees"), (np.pi / 180.0, "unit_disagrees")])
 def test_one_run_of_several(runs: int, factor: float, code: str) -> None:

@@ -10,7 +10,7 @@ noise
 shape
     the scatter about the usual curve.
 
-No nominal is known: of one run nothing can be told, of two not which is wrong.
+No nominal is known: of one run nothing can be told but that it is stuck, of two not which is wrong.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ RESOLVED = 0.1  # largest standard error of a response that tells its sign
 FEWEST_RUNS = 4  # so that most of them can be right
 FAR = 8.0  # times the distance of the others from each other
 LEVEL = 0.5  # relative difference of the levels of runs, which have offsets of their own
+ROUNDING = 1e-12  # of means of equal readings
 MUCH = 0.2  # relative difference of a response from which a model would be wrong
 
 
@@ -50,12 +51,12 @@ class Curves:
 
 
 def disagreements(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
-    """Return a remark for each run of one sensor that disagrees with the others."""
-    if cells.runs < 2:
-        return []
-    runs = np.unique(cells.run)
+    """Return a remark for each run of one sensor that is stuck, or disagrees with the others."""
+    runs = np.unique(cells.run) if cells.runs > 1 else cells.run[:1]
+    found = [one for run in runs for one in _stuck(axis, cells, run, readings)]
+    if len(runs) < 2 or found:
+        return found
     curves = _curves(cells, runs)
-    found = []
     for i, run in enumerate(runs):
         label = readings.labels[run]
         sweep = next(one for one in readings.sweeps if one.run == label)
@@ -69,6 +70,16 @@ def disagreements(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
             name += f", run {label}" if label not in (name, sweep.place) else ""
             found.append(cause.remark(name, sweep.place, axis, severity))
     return found
+
+
+def _stuck(axis: str, cells: Cells, run: int, readings: Readings) -> list[Remark]:
+    own = cells.reading[cells.run == run]
+    low, high = float(own.min()), float(own.max())
+    if high - low > ROUNDING * max(abs(low), abs(high)):
+        return []
+    place = next(one.place for one in readings.sweeps if one.run == readings.labels[run])
+    what = f"{axis} sensor: all readings are equal, at every temperature"
+    return [Remark("constant", "error", what, place, do="Check for a stuck or disconnected channel")]
 
 
 def _curves(cells: Cells, runs: Indices) -> Curves:
