@@ -77,7 +77,7 @@ def test_units_with_one_recording_go_to_quarantine_until_they_are_tested_again(t
     found = rows(out)
     assert [one["reason_code"] for one in found] == ["", "same_recording", "same_recording", ""]
     assert [one["number"] for one in found] == [0, 1, 2, 3]
-    assert "that of u002" in str(found[1]["reason"])
+    assert "u001/rates.csv: it is that of u002" in str(found[1]["reason"])
     assert "that of u001" in str(found[2]["reason"])
     assert not found[1]["results"]
     assert not found[1]["verdict"]

@@ -63,6 +63,7 @@ def codes(path: Path) -> Sequence[tuple[str, str]]:
         ("folder = '{serial}'\n[options]\n'sensors.acc.unit' = 'batch'\n", "unknown_key", 6),
         ("folder = '{serial}'\n[options]\n'sensors.gyro.unit' = 'unit'\n", "unknown_column", 6),
         ("folder = '{serial}'\n[options]\n'tests.none.plan.axis' = 'batch'\n", "unknown_key", 6),
+        ("folder = '{serial}'\nstore = 'nowhere'\n", "missing_file", 5),
         ("folder = '{serial}'\nstore = 's3://key:secret@host/bucket'\n", "wrong_value", 5),
         ("folder = '{serial}'\nendpoint = 'localhost'\n", "wrong_value", 5),
     ],

@@ -201,7 +201,7 @@ def _of_file(path: Path) -> Lot:
         raise PlanError([*error.problems, *problems]) from None
     units = read_units(root / file.units, file.serial, [one for one in file.in_paths if one != SERIAL])
     lot = Lot(path, file, campaign, read_bytes(template / FILE), units, units.remarks)
-    problems += _names(lot, at)
+    problems += [*_store(lot, at), *_names(lot, at)]
     if problems:
         raise PlanError(problems)
     return lot
@@ -225,6 +225,12 @@ def _patterns(file: LotFile, at: At) -> Iterator[Problem]:
     if file.endpoint and "://" not in file.endpoint:
         do = 'Write it whole: "http://127.0.0.1:9000"'
         yield Problem(f"endpoint: {file.endpoint!r} is no address", at("endpoint"), do=do, code="wrong_value")
+
+
+def _store(lot: Lot, at: At) -> Iterator[Problem]:
+    if "://" not in lot.store and not Path(lot.store).is_dir():
+        do = "Name the folder in which the recordings lie, from that of LOT.toml on, or an address: s3://bucket/path"
+        yield Problem(f"store: no folder {lot.store}", at("store"), "no recording would be found", do, "missing_file")
 
 
 def _names(lot: Lot, at: At) -> Iterator[Problem]:

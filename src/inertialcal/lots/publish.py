@@ -169,17 +169,17 @@ def _without_copies(
     if not pairs:
         return list(noted), {}, ()
     serials = lot.units.serials
-    said: dict[int, int] = {}  # unit in quarantine: the one whose recording it has
-    for before, number in pairs:
-        said.setdefault(number, before)
+    said: dict[int, tuple[int, str]] = {}  # unit in quarantine: the one whose recording it has, and its file
+    for before, number, of_before, of_number in pairs:
+        said.setdefault(number, (before, of_number))
         if serials[before] != serials[number]:
-            said.setdefault(before, number)
+            said.setdefault(before, (number, of_before))
     found, rows = list(noted), dict[int, bytes]()
-    for number, other in sorted(said.items()):
-        row = quarantined(number, serials[number], [_copied(serials[number], serials[other])])
+    for number, (other, path) in sorted(said.items()):
+        row = quarantined(number, serials[number], [_copied(serials[number], serials[other], path)])
         found[number] = replace(noted[number], status="quarantined", verdict="", reason_code=row.reason_code)
         rows[number] = stream_of([row])
-    every = list(dict.fromkeys((serials[one], serials[two]) for one, two in pairs))
+    every = list(dict.fromkeys((serials[one], serials[two]) for one, two, *_ in pairs))
     told = ", ".join(f"{one} and {two}" if one != two else f"two tests of {one}" for one, two in every[:FEW])
     more = f" and {len(every) - FEW} more" if len(every) > FEW else ""
     what = f"the same recording, byte for byte, of several units: {told}{more}"
@@ -188,23 +188,23 @@ def _without_copies(
     return found, rows, (Remark("same_recording", "warning", what, count=len(every), do=do),)
 
 
-def _copies(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> list[tuple[int, int]]:
-    """Return pairs of units that have a recording of one of them in common, the earlier one first."""
-    marks = array("Q", (int(digest[:16], 16) for _, _, digest in _readings(lot, ledger, noted)))  # 8 bytes of each
+def _copies(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> list[tuple[int, int, str, str]]:
+    """Return pairs of units that have a recording of one of them in common, the earlier one first, and their files."""
+    marks = array("Q", (int(digest[:16], 16) for *_, digest in _readings(lot, ledger, noted)))  # 8 bytes of each
     every, counts = np.unique(np.frombuffer(marks, np.uint64), return_counts=True)
     twice = {int(one) for one in every[counts > 1]}
-    pairs = list[tuple[int, int]]()
-    first: dict[str, tuple[int, str]] = {}
-    for number, source, digest in _readings(lot, ledger, noted) if twice else ():
+    pairs = list[tuple[int, int, str, str]]()
+    first: dict[str, tuple[int, str, str]] = {}
+    for number, source, path, digest in _readings(lot, ledger, noted) if twice else ():
         if int(digest[:16], 16) in twice:
-            before, other = first.setdefault(digest, (number, source))
+            before, other, of_before = first.setdefault(digest, (number, source, path))
             if other != source:
-                pairs.append((before, number))
+                pairs.append((before, number, of_before, path))
     return pairs
 
 
-def _readings(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> Iterator[tuple[int, str, str]]:
-    """Yield the recordings of units that hold their own readings: number, file or rows of a file, SHA-256."""
+def _readings(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> Iterator[tuple[int, str, str, str]]:
+    """Yield the recordings of units that hold their own readings: number, file or rows of a file, file, SHA-256."""
     told_apart = {key[1] for key in lot.changes.values() if key[0] == "recordings" and "channels" in key}
     entries = lot.template.file.recordings
     own = [
@@ -218,18 +218,18 @@ def _readings(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> Iterator[tupl
     for number, one in enumerate(noted):
         for path, digest in map(dict.values, read(one.block)[one.place]):
             if of_many.fullmatch(path):
-                yield number, f"{lot.units.serials[number]}\0", digest
+                yield number, f"{lot.units.serials[number]}\0", path, digest
             elif plain.fullmatch(path):
-                yield number, path, digest
+                yield number, path, path, digest
 
 
-def _copied(serial: str, other: str) -> Problem:
+def _copied(serial: str, other: str, path: str) -> Problem:
     if serial == other:
-        what, why = "a recording is that of an earlier test of this unit, byte for byte", "one test was not made"
-        return Problem(what, why=why, do="Test it again, or leave this row out", code="same_recording")
-    what = f"a recording is that of {other}, byte for byte"
+        what, why = "it is that of an earlier test of this unit, byte for byte", "one test was not made"
+        return Problem(what, path, why, do="Test it again, or leave this row out", code="same_recording")
+    what = f"it is that of {other}, byte for byte"
     why = "one was copied over the other: nobody knows which unit was tested"
-    return Problem(what, why=why, do="Test both again", code="same_recording")
+    return Problem(what, path, why, do="Test both again", code="same_recording")
 
 
 def _any_of(patterns: Sequence[str]) -> re.Pattern[str]:
