@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from .errors import DataError
 from .key import Key, Origin
-from .results import Curvature
+from .results import Curvature, changed
 from .show.frames import frame
 from .show.rounding import dof, with_uncertainty
 from .show.tables import Block, Table, html, text
@@ -136,6 +136,15 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.b
     return fewer
 
 
+@lru_cache(maxsize=256)
+def _named(origin: Origin, unknowns: tuple[str, ...], count: int) -> tuple[str, ...]:
+    """Return the names of the unknowns of a standard."""
+    indices = unknowns or ("",) * (count == 1)
+    texts = [" ".join(filter(None, (AFTER if origin.test else "", one))) for one in indices]
+    name = f"{origin.standard}.{origin.quantity}"
+    return tuple(f"{name}[{one}]" if one else name for one in texts)
+
+
 @dataclass(frozen=True, eq=False)
 class Component:
     """One source of uncertainty of all values at once."""
@@ -176,10 +185,7 @@ class Component:
         origin = self.origin
         if self.changes is None or not origin.standard:
             return {}
-        indices = self.unknowns or ("",) * (len(self.changes) == 1)
-        texts = [" ".join(filter(None, (AFTER if origin.test else "", one))) for one in indices]
-        name = f"{origin.standard}.{origin.quantity}"
-        return {f"{name}[{one}]" if one else name: row for one, row in zip(texts, self.changes, strict=False)}
+        return dict(zip(_named(origin, self.unknowns, len(self.changes)), self.changes, strict=False))
 
     @property
     def origin(self) -> Origin:
@@ -391,7 +397,8 @@ class Estimate:
             )
             for one in self.components
         )
-        return Estimate(tuple(self.given[i] for i in at), self.values[at], tuple(self.units[i] for i in at), components)
+        given, units = (tuple([of[i] for i in at]) for of in (self.given, self.units))
+        return changed(self, given=given, values=self.values[at], units=units, components=components)
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a value, with ``value``, ``u``, ``unit`` and ``dof``."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -22,6 +23,7 @@ from ..procedures.display import shown_in
 
 RESULT = (*COLUMNS, "common")  # the last: the part of u that all units of a station share by its standards
 VERDICT = (*VERDICT_COLUMNS, "quantity")
+BLANK = dict.fromkeys(VERDICT)
 NUMBERS = frozenset({"at", "value", "u", "common", "dof", "lo", "hi", "p", "lower", "upper", "margin"})
 REMARK = ("code", "severity", "test", "where", "count", "what", "do")
 PROBLEM = ("code", "what", "where", "why", "do")
@@ -80,8 +82,8 @@ def quarantined(number: int, serial: str, problems: Sequence[Problem]) -> UnitRo
 
 
 def _verdict_cells(one: dict[str, Any]) -> Cells:
-    cells = one | (one["interval"] or {})
-    return tuple(None if (cell := cells.get(name)) is None else cell for name in VERDICT)
+    cells = BLANK | one | (one["interval"] or {})
+    return tuple([cells[name] for name in VERDICT])
 
 
 def _remark_cells(given: tuple[str, Remark]) -> Cells:
@@ -124,15 +126,19 @@ def stream_of(rows: Sequence[UnitRow]) -> bytes:
 
 def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     """Return the figures of units in the order of `RESULT`: text once for all units that have it, numbers as arrays."""
-    known: dict[tuple[Any, ...], int] = {}
-    places, found, common = [], [], []
-    for unit in rows:
-        for figure in unit.results:
-            row, ends = figure.row, figure.row.interval
-            said = (row.key, row.unit, row.method, row.member, row.status, row.reason, *figure[1:4])
-            places.append(known.setdefault(said, len(known)))
-            found.append((row.value, row.u, row.dof, *((None,) * 3 if ends is None else (ends.lo, ends.hi, ends.p))))
-        common.append(_common(unit))
+    every = [(one, one.row) for unit in rows for one in unit.results]
+    said = [
+        (row.key, row.unit, row.method, row.member, row.status, row.reason, one.sensor_unit, one.test, one.condition)
+        for one, row in every
+    ]
+    known = {one: place for place, one in enumerate(dict.fromkeys(said))}
+    places = [known[one] for one in said]
+    none = (None,) * 3
+    found = [
+        (row.value, row.u, row.dof, *(none if (ends := row.interval) is None else (ends.lo, ends.hi, ends.p)))
+        for _, row in every
+    ]
+    common = [part for unit in rows for part in _common(unit)]
     texts, scale = [], np.ones(len(known))
     for i, (key, unit, method, member, status, reason, sensor_unit, test, condition) in enumerate(known):
         shown, scale[i] = shown_in(key.name, unit, sensor_unit)
@@ -143,7 +149,7 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     value, u, dof, lo, hi, p = np.array(found, dtype=float).reshape(-1, 6).T
     scale = scale[at]
     numbers = {"value": value * scale, "u": u * scale, "dof": dof, "lo": lo * scale, "hi": hi * scale, "p": p,
-               "common": np.concatenate([*common, np.empty(0)]) * scale}  # fmt: skip
+               "common": np.array(common) * scale}  # fmt: skip
     named = dict(zip((name for name in RESULT if name not in numbers), zip(*texts, strict=True), strict=False))
     arrays = [
         pa.array(numbers[one.name], mask=~np.isfinite(numbers[one.name])) if one.name in numbers
@@ -153,21 +159,32 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     return _lists(LISTS["results"], [len(one.results) for one in rows], arrays)
 
 
-def _common(unit: UnitRow) -> Array:
+def _common(unit: UnitRow) -> list[float]:
     """Return the part of u of each figure of a unit that units of a station share by its standards, SI."""
-    of_estimate: dict[int, Array] = {}
-    found = np.zeros(len(unit.results))
-    for i, one in enumerate(unit.results):
-        if one.row.shared or one.estimate is None:
-            shared = one.row.shared.items() if one.row.shared else ()
-            found[i] = math.sqrt(sum(change**2 for name, change in shared if influence_of(name) in unit.shares))
-            continue
-        each = of_estimate.get(id(one.estimate))
-        if each is None:
-            acts = [influence_of(name) in unit.shares for name in one.estimate.unknowns]
-            each = of_estimate[id(one.estimate)] = np.sqrt(np.sum(one.estimate.changes[acts] ** 2, axis=0))
-        found[i] = each[one.at]
+    of_estimate = {
+        one: [] if one is None else _part(one.changes[_acts(one.unknowns, unit.shares)])
+        for one in dict.fromkeys([one.estimate for one in unit.results])
+    }
+    return [
+        _shared(one.row.shared, unit.shares) if one.row.shared
+        else 0.0 if one.estimate is None else of_estimate[one.estimate][one.at]
+        for one in unit.results
+    ]  # fmt: skip
+
+
+def _part(changes: Array) -> list[float]:
+    found: list[float] = np.sqrt((changes**2).sum(axis=0)).tolist()
     return found
+
+
+@lru_cache(maxsize=256)
+def _acts(unknowns: tuple[str, ...], shares: frozenset[str]) -> list[int]:
+    """Return the places of the unknowns whose influences units share."""
+    return [i for i, one in enumerate(unknowns) if influence_of(one) in shares]
+
+
+def _shared(changes: Mapping[str, float], shares: frozenset[str]) -> float:
+    return math.sqrt(sum(change**2 for name, change in changes.items() if influence_of(name) in shares))
 
 
 def _list(kind: pa.StructType, rows: Sequence[Sequence[Cells]]) -> pa.ListArray:
@@ -184,7 +201,10 @@ def _lists(kind: pa.StructType, lengths: Sequence[int], arrays: Sequence[pa.Arra
 
 
 def _column(cells: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    return pa.array([_clean(cell) for cell in cells] if pa.types.is_string(kind) else cells, kind)
+    try:
+        return pa.array(cells, kind)
+    except (UnicodeError, pa.ArrowException):  # text that is not UTF-8, or no text
+        return pa.array([_clean(cell) for cell in cells], kind)
 
 
 def _clean(cell: Any) -> Any:

@@ -461,11 +461,12 @@ class ReducedTest:
     @cached_property
     def plain_rows(self) -> Mapping[str, Sequence[Row]]:
         """Rows by quantity that are its results, neither by another way nor of a part of the readings."""
-        found: dict[str, list[Row]] = {}
+        found: dict[tuple[str, int], list[Row]] = {}
         for row in self.rows:
-            if row.method is Method.RESULT and row.member is None and row.key.at is None:
-                found.setdefault(row.quantity, []).append(row)
-        return found
+            key = row.key
+            if row.method is Method.RESULT and row.member is None and key.at is None:
+                found.setdefault((key.quantity, key.power), []).append(row)
+        return {rows[0].quantity: rows for rows in found.values()}
 
     @cached_property
     def parts(self) -> Mapping[str, Result]:
@@ -609,14 +610,16 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         Of each, by name.
     """
     plain = {one.test.id: tested_of(one, results[one.test.id]) for one in prepared}
+    tests = {one.test.id: one.test for one in prepared}
+    wrong = {name: [one for one in _remarks(tested) if one.severity == "error"] for name, tested in plain.items()}
     found = []
     for one in prepared:
-        tested = replace(plain[one.test.id], against=plain.get(one.test.against or ""))
+        tested, other = plain[one.test.id], plain.get(one.test.against or "")
+        tested = tested if other is None else replace(tested, against=other)
         with computable(one.test.id):
             rows = procedure_of(one.test.procedure).rows(tested.result)
-        behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
-        errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
-        named = [row.changed(test=one.test.id) for row in rows]
+        errors = tuple(remark for name in _with_those_before(one.test, tests) for remark in wrong[name])
+        named = [row.named(one.test.id) for row in rows]
         found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded, saves=one.saves))
     return found
 

@@ -184,8 +184,6 @@ class Whole:
         Its tests.
     modelled : Modelled or None
         Model of each sensor and condition, and closed loop.
-    remarks : list of Remark
-        Of all tests, and of the closed loop.
     inputs : dict of str to str
         As `Outcome` has them.
     """
@@ -194,8 +192,14 @@ class Whole:
     prepared: list[Prepared]
     tested: list[ReducedTest]
     modelled: Modelled | None
-    remarks: list[Remark]
     inputs: dict[str, str]
+
+    @cached_property
+    def remarks(self) -> list[Remark]:
+        """Of all tests, and of the closed loop."""
+        every = () if self.modelled is None else self.modelled.every
+        closed = [remark.at("closed loop") for one in every for remark in one.remarks]
+        return [remark.at(one.test.id) for one in self.tested for remark in one.remarks] + closed
 
     @cached_property
     @one_blas_thread()
@@ -264,12 +268,12 @@ def reduce_campaign(
         If the campaign or a recording is refused.
     """
     tell = progress or (lambda done, total, what: None)
-    parts = reduce_tests(campaign, store, tell, cache)
-    tell(len(parts[1]), len(parts[1]), "model and requirements")
-    return whole_of(campaign, *parts)
+    prepared, tested = reduce_tests(campaign, store, tell, cache)
+    tell(len(tested), len(tested), "model and requirements")
+    return whole_of(campaign, prepared, tested)
 
 
-def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedTest], remarks: list[Remark]) -> Whole:
+def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedTest]) -> Whole:
     """Return a campaign whose tests were reduced, with its models and what readings held out say of them.
 
     Raises
@@ -290,9 +294,7 @@ def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedT
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     with computable(campaign.file.campaign.id, "campaign"):
         modelled = build_models(campaign, reduced, residuals, errors)
-    if modelled is not None:
-        remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
-    return Whole(campaign, prepared, tested, modelled, remarks, inputs)
+    return Whole(campaign, prepared, tested, modelled, inputs)
 
 
 def reduce_tests(
@@ -300,8 +302,8 @@ def reduce_tests(
     store: Store | None = None,
     tell: Progress = lambda done, total, what: None,
     cache: Cache | None = None,
-) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
-    """Reduce every test of a campaign: what was read, what was found, what there is to remark.
+) -> tuple[list[Prepared], list[ReducedTest]]:
+    """Reduce every test of a campaign: what was read, what was found.
 
     Raises
     ------
@@ -314,7 +316,7 @@ def reduce_tests(
 
 def tests_of(
     campaign: Campaign, found: dict[int, Reduced], problems: dict[int, tuple[Problem, ...]]
-) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
+) -> tuple[list[Prepared], list[ReducedTest]]:
     """Return the tests of a campaign set beside each other, as `reduce_tests`, of what `reduce_all` gives.
 
     Raises
@@ -334,8 +336,7 @@ def tests_of(
     for number, one in enumerate(tested):
         opened = found[number].opened
         tested[number] = one if opened is None else with_opened(campaign, one, opened)
-    remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
-    return prepared, tested, remarks
+    return prepared, tested
 
 
 def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:

@@ -18,6 +18,7 @@ from ...core.errors import InertialcalError, PlanError
 from ...core.estimate import Component, Estimate
 from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
+from ...core.results import changed
 from ...core.units import kind
 from ...files.models.model_json import dump_models
 from ...procedures import procedure_names, procedure_of
@@ -94,7 +95,7 @@ def build_models(
             except InertialcalError as error:
                 raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
             if made is not None:
-                found.append(replace(made, first=number))
+                found.append(changed(made, first=number))
     found.sort(key=lambda one: one.first)
     of_models = frozenset(test for one in found for test in one.held)
     alone = tuple(
@@ -129,11 +130,13 @@ def _with_verdict(made: Made, share: float, name: str) -> JudgedModel:
     one = made.judged
     passed = verdict == "PASS"
     model = one.model if one.model is None or one.model.judged == passed else replace(one.model, judged=passed)
-    remarks = tuple(replace(remark, where=remark.where or (name if one.condition else "")) for remark in one.remarks)
+    remarks = one.remarks
+    if one.condition:
+        remarks = tuple(remark if remark.where else changed(remark, where=name) for remark in remarks)
     if verdict == "FAIL" and one.condition:
         what = f"the model in {one.condition} does worse on readings held out: it is left out of the model file"
         remarks = (*remarks, Remark("condition_left_out", "warning", what, name, subject=one.condition))
-    return replace(one, name=name, model=model, loops=loops, residuals=residuals, verdict=verdict, remarks=remarks)
+    return changed(one, name=name, model=model, loops=loops, residuals=residuals, verdict=verdict, remarks=remarks)
 
 
 def _judged_residuals(alone: Sequence[ResidualLoop], share: float) -> tuple[ResidualLoop, ...]:
@@ -195,7 +198,7 @@ def _build(
         loops += found.loops
         remarks += found.remarks
         curves += found.curves
-    made = replace(made, remarks=tuple(remarks), curves=tuple(curves))
+    made = changed(made, remarks=tuple(remarks), curves=tuple(curves))
     alone = frozenset(one.test for one in residuals)
     return Made(made, 0, tuple(loops), tuple(residuals), alone)
 
@@ -222,7 +225,7 @@ def _parts(
             if terms is None:
                 continue
             after = tuple(dict.fromkeys(before for one in group for before in bias_before(campaign.file, by_id[one])))
-            terms = replace(terms, tests=group, after=after)
+            terms = changed(terms, tests=group, after=after)
             found.append(Part(procedure, tuple(by_id[one] for one in group), result, terms, terms.of_kinds(kinds)))
     return found
 
@@ -365,7 +368,7 @@ def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> 
             components.append(one.changed(given=origin) if origin != one.origin else one)
         same = all(mine is its for mine, its in zip(components, estimate.components, strict=True))
         found.append(
-            part.terms if same else replace(part.terms, estimate=replace(estimate, components=tuple(components)))
+            part.terms if same else changed(part.terms, estimate=changed(estimate, components=tuple(components)))
         )
     return found
 

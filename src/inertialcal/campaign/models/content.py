@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from ...core.results import Row, finite, not_estimated
 from ...core.units import factor, kind
 from ...procedures import procedure_of
 from ...statistics.closed_loop import AxisLoop
-from ...statistics.intervals import t_interval
+from ...statistics.intervals import t_intervals
 from ..file.load import Campaign
 from .judged import NOT_RUN, JudgedModel, Modelled, ResidualLoop
 
@@ -27,11 +28,14 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
     if modelled.model is None:
         return []
     estimate = modelled.model.estimate
-    rows = []
+    rows: list[Row] = []
     if estimate is not None:
-        for i, key in enumerate(estimate.keys):
-            value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
-            rows.append(Row(key, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+        numbers = estimate.values.tolist(), estimate.u.tolist(), estimate.dof.tolist()
+        ends = t_intervals(estimate.values, estimate.u, estimate.dof)
+        rows = [
+            Row(key, value, u, unit, None if dof == math.inf else dof, each)
+            for key, unit, value, u, dof, each in zip(estimate.keys, estimate.units, *numbers, ends, strict=True)
+        ]
     reasons = modelled.model.not_estimated
     return rows + [
         not_estimated(one.key, one.unit, Reason("not_estimated", reasons[one.name]))

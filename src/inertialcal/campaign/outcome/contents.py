@@ -196,15 +196,14 @@ def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
 
 def _of_test(campaign: Campaign, one: ReducedTest) -> Iterator[Figure]:
     """Yield the figures of a test."""
-    known = {kind: _known(one, kind) for kind in one.parts}
-    units = {}
     name, condition = one.test.id, one.test.condition
+    kinds = dict.fromkeys([row.key.sensor for row in one.rows])
+    units = {kind: sensor_of(campaign, one.test, kind).unit for kind in kinds}
+    known = {kind: _known(one, kind) for kind in kinds if kind in one.parts}
     for row in one.rows:
         kind = row.key.sensor
-        if kind not in units:
-            units[kind] = sensor_of(campaign, one.test, kind).unit
-        estimate, at = known.get(kind, (None, {}))
-        if row.u is not None and row.method is Method.RESULT and row.member is None and row.key in at:
+        estimate, at = known.get(kind, (None, {})) if row.u is not None else (None, {})
+        if row.method is Method.RESULT and row.member is None and row.key in at:
             yield Figure(row, units[kind], name, condition, estimate, at[row.key])
         else:
             yield Figure(row, units[kind], name, condition)

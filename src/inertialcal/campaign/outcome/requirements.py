@@ -22,7 +22,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.judging import LEVEL, Asked, Rule, Verdict
 from ...core.key import Method
-from ...core.results import Interval, Row, finite
+from ...core.results import Interval, Row, changed, finite
 from ...core.units import parse_quantity
 from ...procedures import all_quantities, procedure_of
 from ...procedures.protocol import Quantity
@@ -80,15 +80,12 @@ def judge(
     if requirement.readings == "compensated":
         left = list(compensated_verdicts(asked, about, compensation or Compensation()))
         left = left or [replace(_open(asked), readings="compensated")]
-        return [replace(one, basis=replace(one.basis, rule=rule_text(rule))) for one in left], []
+        return _worded(left, rule), []
     if asked.quantity in RECORDED:
         recorded, given = _recorded(asked, about)
-        words = rule_text(rule)
-        return [replace(one, basis=replace(one.basis, rule=words)) for one in recorded or [_open(asked)]], given
-    words = rule_text(rule)
+        return _worded(recorded or [_open(asked)], rule), given
     if asked.of == "change":
-        changed = _in_doubt(list(_changes(asked, about)), about)
-        return [replace(one, basis=replace(one.basis, rule=words)) for one in changed or [_open(asked)]], []
+        return _worded(_in_doubt(list(_changes(asked, about)), about) or [_open(asked)], rule), []
     verdicts: list[Verdict] = []
     rows: list[Row] = []
     others: set[str] = set()
@@ -100,8 +97,13 @@ def judge(
             verdicts, rows = verdicts + found[0], rows + found[1]
     if not asked.where:
         verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
-    verdicts = _in_doubt(verdicts, about)
-    return [replace(one, basis=replace(one.basis, rule=words)) for one in verdicts or [_open(asked)]], rows
+    return _worded(_in_doubt(verdicts, about) or [_open(asked)], rule), rows
+
+
+def _worded(verdicts: Sequence[Verdict], rule: Rule) -> list[Verdict]:
+    """Return verdicts with their rule in words."""
+    words = rule_text(rule)
+    return [changed(one, basis=changed(one.basis, rule=words)) for one in verdicts]
 
 
 def _in_doubt(verdicts: Sequence[Verdict], about: Sequence[ReducedTest]) -> list[Verdict]:

@@ -30,21 +30,82 @@ def _check_finite(text: str) -> None:
         raise ValueError("JSON has no NaN and no infinity")
 
 
-class _Encoded(dict[str, str]):
-    """Text as JSON has it, each once."""
-
-    def __missing__(self, given: str) -> str:
-        self[given] = found = encode_basestring(given)
-        return found
-
-
+Texts = tuple[str, str]  # As files hold it; canonical
 LISTS = (list, tuple)
 FIXED = {None: "null", True: "true", False: "false"}
+NULL = FIXED[None], FIXED[None]
 PLAIN: dict[type, Callable[[Any], str]] = {
     str: encode_basestring, float: _number, type(None): FIXED.__getitem__, bool: FIXED.__getitem__, int: int.__repr__,
 }  # fmt: skip
-Texts = tuple[str, str]  # As files hold it; canonical
 ZERO = "0.0"
+WIDTH = len(ZERO)
+
+
+class _Encoded(dict[str, Texts]):
+    """Text in both forms, which are the same, each made once."""
+
+    def __missing__(self, given: str) -> Texts:
+        text = encode_basestring(given)
+        self[given] = found = text, text
+        return found
+
+
+class Hole:
+    """Where a value comes into a frame; numbers at any depth, all else at the first."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
+class Frame:
+    """A dict with holes, written once for each line that it stands on.
+
+    Parameters
+    ----------
+    content : dict
+        That does not change any more.
+    """
+
+    def __init__(self, content: dict[str, Any]) -> None:
+        self.content = content
+        self._texts: dict[str, Texts] = {}
+
+    def texts(self, line: str) -> Texts:
+        """Return it in both forms, as patterns of the values by the names of the holes."""
+        if line not in self._texts:
+            laid, canonical = (
+                re.sub("\0([^\0]*)\0", r"%(\1)s", text.replace("%", "%%"))
+                for text in _texts_of_dict(self.content, line, _Known())
+            )
+            self._texts[line] = laid, canonical
+        return self._texts[line]
+
+
+class Filled:
+    """A frame with the values of its holes; it is written as the dict that it makes.
+
+    Parameters
+    ----------
+    frame : Frame
+        Shared by all that differ in these values alone.
+    values : dict
+        By the names of the holes.
+    """
+
+    def __init__(self, frame: Frame, values: dict[str, Any]) -> None:
+        self.frame, self.values = frame, values
+
+    @property
+    def content(self) -> dict[str, Any]:
+        """The dict."""
+        return _fill(self.frame.content, self.values)
+
+
+def _fill(content: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: values[part.name] if isinstance(part, Hole) else _fill(part, values) if isinstance(part, dict) else part
+        for name, part in content.items()
+    }
 
 
 class _Known:
@@ -83,6 +144,10 @@ def json_texts(content: object) -> Texts:
 
 def _texts(given: object, line: str, known: _Known) -> Texts:
     """Return a value in both forms; line is a newline, and the blanks before the value that it is in."""
+    kind = type(given)
+    if kind in PLAIN:
+        text = PLAIN[kind](given)
+        return text, text
     place = id(given), line
     if place in known.texts:
         return known.texts[place]
@@ -90,12 +155,16 @@ def _texts(given: object, line: str, known: _Known) -> Texts:
         found = _texts_of_list(given, line, known) if given else ("[]", "[]")
     elif isinstance(given, dict):
         found = _texts_of_dict(given, line, known) if given else ("{}", "{}")
+    elif isinstance(given, Filled):
+        found = _texts_of_frame(given, line, known)
     elif _is_array(given):
-        return _texts_of_array(given, line)
+        found = _texts_of_array(given, line)
+    elif isinstance(given, Hole):
+        found = f"\0{given.name}\0", f"\0{given.name}\0"  # as no text has
     else:
-        write = PLAIN.get(type(given)) or next((PLAIN[one] for one in PLAIN if isinstance(given, one)), None)
+        write = next((PLAIN[one] for one in PLAIN if isinstance(given, one)), None)
         if write is None:
-            raise TypeError(f"JSON has no {type(given).__name__}")
+            raise TypeError(f"JSON has no {kind.__name__}")
         text = write(given)
         return text, text
     known.texts[place] = found
@@ -103,33 +172,46 @@ def _texts(given: object, line: str, known: _Known) -> Texts:
 
 
 def _texts_of_dict(given: dict[str, object], line: str, known: _Known) -> Texts:
-    inner, laid, canonical, encoded = line + " ", [], {}, known.encoded
-    for name, part in given.items():
-        key, kind = encoded[name], type(part)
-        if kind is str:
-            text = plain = encoded[part]  # type: ignore[index]
-        elif kind in PLAIN:
-            text = plain = PLAIN[kind](part)
-        else:
-            text, plain = _texts(part, inner, known)
-        laid.append(f"{key}: {text}")
-        canonical[name] = f"{key}:{plain}"
-    ordered = ",".join([canonical[name] for name in sorted(canonical)])
-    return f"{{{inner}{f',{inner}'.join(laid)}{line}}}", f"{{{ordered}}}"
+    laid, canonical, order = _frame(tuple(given), line)
+    inner, encoded = line + " ", known.encoded
+    parts = [
+        encoded[part] if type(part) is str else NULL if part is None else _texts(part, inner, known)
+        for part in given.values()
+    ]
+    return laid % tuple([text for text, _ in parts]), canonical % tuple([parts[i][1] for i in order])
+
+
+@lru_cache(maxsize=256)
+def _frame(names: tuple[str, ...], line: str) -> tuple[str, str, list[int]]:
+    """Return a dict in both forms with room for its values, and the order of these in the canonical one."""
+    keys = [encode_basestring(name).replace("%", "%%") for name in names]
+    order = sorted(range(len(names)), key=names.__getitem__)
+    laid = f",{line} ".join([f"{key}: %s" for key in keys])
+    return f"{{{line} {laid}{line}}}", f"{{{','.join([f'{keys[i]}:%s' for i in order])}}}", order
+
+
+def _texts_of_frame(given: Filled, line: str, known: _Known) -> Texts:
+    laid, canonical = given.frame.texts(line)
+    inner = line + " "
+    values = {name: _texts(part, inner, known) for name, part in given.values.items()}
+    return laid % {name: text for name, (text, _) in values.items()}, canonical % {
+        name: text for name, (_, text) in values.items()
+    }
 
 
 def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: _Known) -> Texts:
-    inner = line + " "
-    try:
+    inner, kinds = line + " ", {*map(type, given)}
+    if kinds == {str}:
+        texts = [known.encoded[part][0] for part in given]
+    elif kinds == {float}:
         texts = [*map(float.__repr__, given)]
         _check_finite(",".join(texts))
-    except TypeError:  # not floats alone
-        writes = [*map(PLAIN.get, map(type, given))]
-        if None in writes:
-            parts = [_texts(part, inner, known) for part in given]
-            laid = f",{inner}".join([text for text, _ in parts])
-            return f"[{inner}{laid}{line}]", f"[{','.join([text for _, text in parts])}]"
-        texts = [write(part) for write, part in zip(writes, given, strict=True) if write]
+    elif kinds <= PLAIN.keys():
+        texts = [PLAIN[type(part)](part) for part in given]
+    else:
+        parts = [_texts(part, inner, known) for part in given]
+        laid = f",{inner}".join([text for text, _ in parts])
+        return f"[{inner}{laid}{line}]", f"[{','.join([text for _, text in parts])}]"
     return f"[{inner}{f',{inner}'.join(texts)}{line}]", f"[{','.join(texts)}]"
 
 
@@ -151,7 +233,7 @@ def _texts_of_array(given: Array, line: str) -> Texts:
 def _filled(zeros: str, places: Sequence[int], texts: Sequence[str]) -> str:
     """Return a text of zeros with numbers in their places."""
     pieces = [""] * (2 * len(places) + 1)
-    starts = [0, *[place + len(ZERO) for place in places]]
+    starts = [0, *[place + WIDTH for place in places]]
     pieces[::2] = [zeros[start:end] for start, end in zip(starts, [*places, len(zeros)], strict=True)]
     pieces[1::2] = texts
     return "".join(pieces)

@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.key import Kind
+from ...core.results import changed
 from ...core.units import factor
 from .sensitivity import PARTS, PRESSURE, ChannelReference, Sensitivity, quantity_of
 from .sensor_model import SensorModel
@@ -70,21 +71,24 @@ def model_from(
         fields = {"reference_pressure": refer[PRESSURE].value, "pressure_range": refer[PRESSURE].range} | fields
     blank = _blank_terms(estimate, axes, refer)
     sensitivities = blank.pop("sensitivities")
-    own = {name: array for name, array in (fields | blank).items() if name in SHAPES and array is not None}
-    arrays = {name: read_only_term(name, array, len(axes)) for name, array in own.items()}
+    arrays = {
+        name: read_only_term(name, array, len(axes))
+        for name, array in fields.items() if name in SHAPES and array is not None and name not in blank
+    } | blank  # fmt: skip
     arrays |= {name: array for one in sensitivities for name, array in one.terms.items()}
     known = {one.name: one for one in parameters(axes, unit, arrays, sensitivities)}
-    strangers = [name for name in estimate.names if name not in known]
+    names = estimate.names
+    strangers = [name for name in names if name not in known]
     if strangers:
         raise DataError(
             f"{', '.join(strangers)}: no parameter of a {kind} with axes {', '.join(axes)}",
             do="Select the parameters of the model first",
             code="unknown_parameter",
         )
-    held = in_units(estimate, tuple(known[name].unit for name in estimate.names))
-    changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
-    changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
-    missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
+    held = in_units(estimate, tuple([known[name].unit for name in names]))
+    changes = {known[name]: value for name, value in zip(names, held.values.tolist(), strict=True)}
+    changes |= {known[name]: value for name, value in without.items() if name in known and name not in names}
+    missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in names}
     terms = with_values(arrays, changes)
     fields |= {name: array for name, array in terms.items() if name in SHAPES}
     made = tuple(one.with_terms(terms) for one in sensitivities)
@@ -117,7 +121,7 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
         one.changed(covariance=one.covariance * grid, changes=None if one.changes is None else one.changes * factors)
         for one in estimate.components
     )
-    return Estimate(estimate.keys, estimate.values * factors, units, components)
+    return changed(estimate, given=estimate.keys, values=estimate.values * factors, units=units, components=components)
 
 
 def _blank_terms(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from ...core.key import Key, Origin
 from ...core.results import finite
 from ...core.schema.checksum import text_checksum
 from ...core.schema.content import check_content
-from ...core.schema.json_text import json_texts
+from ...core.schema.json_text import Filled, Frame, Hole, json_texts
 from ...core.schema.model import Model as OneModel
 from ...core.schema.model import Models as ModelContent
 from ..chain.converter import Chain, Thermometer
@@ -69,7 +70,7 @@ def to_dict(models: ModelSet | SensorModel) -> dict[str, Any]:
 
 
 def content_of(models: ModelSet | SensorModel) -> dict[str, Any]:
-    """Return the same with arrays in place of lists of numbers."""
+    """Return the same as ``json_texts`` takes it: arrays in place of lists, and frames of what units have alike."""
     every = models if isinstance(models, ModelSet) else ModelSet((models,))
     return {**WORDS, "models": {condition: _content(one) for condition, one in every.items()}}
 
@@ -77,6 +78,8 @@ def content_of(models: ModelSet | SensorModel) -> dict[str, Any]:
 def _plain_values(content: Any) -> Any:
     if isinstance(content, np.ndarray):
         return content.tolist()
+    if isinstance(content, Filled):
+        return _plain_values(content.content)
     if isinstance(content, dict):
         return {name: _plain_values(part) for name, part in content.items()}
     return [_plain_values(part) for part in content] if isinstance(content, list) else content
@@ -108,8 +111,8 @@ def _content(model: SensorModel) -> dict[str, Any]:
         "chain": None if model.chain is None else _chain_to_dict(model.chain),
         "temperature_range": _list(model.temperature_range),
         "pressure_range": _list(model.pressure_range),
-        "estimate": None if model.estimate is None else _estimate_to_dict(model.estimate),
-        "noise": None if model.noise is None else _noise_to_dict(model.noise),
+        "estimate": None if model.estimate is None else _estimate_content(model.estimate),
+        "noise": None if model.noise is None else _noise_content(model.noise),
         "not_estimated": dict(model.not_estimated),
         "provenance": {name: sources[one] for name, one in model.provenance.items()},
         "influences": {name: influence_fields(one) for name, one in sorted(model.influences.items())},
@@ -270,10 +273,10 @@ def _shared(content: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _noise_to_dict(noise: Estimate) -> dict[str, Any]:
+def _noise_content(noise: Estimate) -> dict[str, Any]:
     """Return noise terms with what each is of: its name is no parameter's, so the key stands beside it."""
     keys = [{"quantity": key.quantity, "axis": key.axis, "power": key.power} for key in noise.keys]
-    return _estimate_to_dict(noise) | {"keys": keys}
+    return _estimate_content(noise) | {"keys": keys}
 
 
 def _noise(content: Mapping[str, Any]) -> Estimate:
@@ -281,36 +284,53 @@ def _noise(content: Mapping[str, Any]) -> Estimate:
     return replace(_estimate(content, ()), given=keys)
 
 
-def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
-    endless: list[float | None] = [None] * len(estimate.names)
+def _estimate_content(estimate: Estimate) -> dict[str, Any]:
     return {
         "names": list(estimate.names),
         "values": estimate.values,
         "units": list(estimate.units),
-        "components": [
-            {
-                "source": one.source,
-                "kind": one.kind,
-                "covariance": one.covariance,
-                "dof": _dof_content(one.dof, endless),
-                "distribution": one.distribution,
-                "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
-                "origin": one.origin._asdict(),
-                "unknowns": list(one.unknowns),
-                "changes": one.changes,
-                "term": one.term,
-            }
-            for one in estimate.components
-        ],
+        "components": [_component_content(one) for one in estimate.components],
     }
 
 
-def _dof_content(dof: Array | float, endless: list[float | None]) -> Any:
-    """Return degrees of freedom, infinite ones as null; of many that are all infinite, the same list."""
-    if not isinstance(dof, np.ndarray):
-        return finite(dof)
-    plain = [None if one == math.inf else one for one in dof.tolist()]
-    return endless if plain == endless else plain
+def _component_content(one: Component) -> Filled:
+    values: dict[str, Any] = {"covariance": one.covariance, "changes": one.changes}
+    endless, unit = 0, None
+    if isinstance(one.dof, np.ndarray):
+        values["dof"] = dof = [None if each == math.inf else each for each in one.dof.tolist()]
+        endless = len(dof) if dof.count(None) == len(dof) else 0
+    else:
+        values["dof"] = finite(one.dof)
+    if one.stated is not None:
+        values["u"], unit = float(one.stated[0]), one.stated[1]
+    return Filled(_frame(one.given, one.kind, one.distribution, unit, one.unknowns, one.term, endless), values)
+
+
+@lru_cache(maxsize=256)
+def _frame(
+    given: Origin | str,
+    kind: str,
+    distribution: str,
+    unit: str | None,
+    unknowns: tuple[str, ...],
+    term: str,
+    endless: int,
+) -> Frame:
+    """Return a source of uncertainty without its numbers; so many degrees of freedom are endless, where all are."""
+    return Frame(
+        {
+            "source": str(given),
+            "kind": kind,
+            "covariance": Hole("covariance"),
+            "dof": [None] * endless if endless else Hole("dof"),
+            "distribution": distribution,
+            "stated": None if unit is None else {"u": Hole("u"), "unit": unit},
+            "origin": (given if isinstance(given, Origin) else Origin(given))._asdict(),
+            "unknowns": list(unknowns),
+            "changes": Hole("changes"),
+            "term": term,
+        }
+    )
 
 
 def _estimate(content: Mapping[str, Any], axes: Sequence[str], channels: Sequence[str] = ()) -> Estimate:
