@@ -137,7 +137,7 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.b
 
 
 @lru_cache(maxsize=256)
-def _named(origin: Origin, unknowns: tuple[str, ...], count: int) -> tuple[str, ...]:
+def _unknown_names(origin: Origin, unknowns: tuple[str, ...], count: int) -> tuple[str, ...]:
     """Return the names of the unknowns of a standard."""
     indices = unknowns or ("",) * (count == 1)
     texts = [" ".join(filter(None, (AFTER if origin.test else "", one))) for one in indices]
@@ -185,7 +185,7 @@ class Component:
         origin = self.origin
         if self.changes is None or not origin.standard:
             return {}
-        return dict(zip(_named(origin, self.unknowns, len(self.changes)), self.changes, strict=False))
+        return dict(zip(_unknown_names(origin, self.unknowns, len(self.changes)), self.changes, strict=False))
 
     @property
     def origin(self) -> Origin:

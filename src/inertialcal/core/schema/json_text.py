@@ -202,7 +202,7 @@ def _texts_of_frame(given: Filled, line: str, known: _Known) -> Texts:
 def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: _Known) -> Texts:
     inner, kinds = line + " ", {*map(type, given)}
     if kinds == {str}:
-        texts = [known.encoded[part][0] for part in given]
+        texts = [known.encoded[part][0] for part in given]  # type: ignore[index]
     elif kinds == {float}:
         texts = [*map(float.__repr__, given)]
         _check_finite(",".join(texts))
