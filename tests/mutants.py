@@ -974,9 +974,7 @@ MUTANTS = (
         "= size - ends, ends, ends",
         "test_noise_covariance",
     ),
-    Mutant(
-        "goodness.py", "(1.0 - 2.0 / (9.0 * edf))) / np.sqrt", "(1.0 - 1.0 / (9.0 * edf))) / np.sqrt", "test_noise_fit"
-    ),
+    Mutant("_kernels_chain.py", "(1.0 - ninth)) / np.sqrt", "(1.0 - 0.5 * ninth)) / np.sqrt", "test_noise_fit"),
     Mutant(
         "likelihood.py",
         "fitted.powers[-1] * by / 0.1 * PER_E",
@@ -1755,9 +1753,9 @@ MUTANTS = (
         "test_noise_fit test_noise_limits",
     ),
     Mutant(
-        "limits.py",
-        "run.edf[np.where(there, at - back, 0)] * 2.0 ** (doublings - back)",
-        "run.edf[np.where(there, at - back, 0)]",
+        "_kernels_chain.py",
+        "edf[t - back] * 2.0 ** (n - back)",
+        "edf[t - back]",
         "test_noise_fit test_noise_limits",
     ),
     Mutant(
