@@ -102,7 +102,7 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     return joined
 
 
-def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.bool_]]:
+def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], Array]:
     """Return whether parts with the same degrees of freedom join to fewer than so many, without what they join to.
 
     Parameters
@@ -115,7 +115,8 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.b
     Returns
     -------
     callable
-        Of finite degrees of freedom of all parts, shape (k,): whether they join to fewer, shape (k,).
+        Of finite degrees of freedom of all parts, shape (k,), below those asked about: a number above 1 where they join
+        to fewer, which falls steadily with them; infinite where they join to what each has, shape (k,).
     """
     from scipy import special  # noqa: PLC0415 - as in `joined_dof`
 
@@ -125,15 +126,13 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.b
     share = np.divide(variances, whole, out=np.zeros(variances.shape), where=(variances > 0.0) & (whole > 0.0))
     largest = special.stdtrit(dof, p) ** 2
     least = np.maximum(largest - z_square, NO_EXCESS)
-    acts = np.any(share > 0.0, axis=0)
 
-    def fewer(each: Array) -> NDArray[np.bool_]:
+    def beyond(each: Array) -> Array:
         own = special.stdtrit(each, p) ** 2 - z_square
         excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
-        found: NDArray[np.bool_] = (each < dof) & ((excess >= own * (1.0 - SYMMETRY)) | (excess > least)) & acts
-        return found
+        return np.asarray(np.where(excess >= own * (1.0 - SYMMETRY), np.inf, excess / least))
 
-    return fewer
+    return beyond
 
 
 @lru_cache(maxsize=256)

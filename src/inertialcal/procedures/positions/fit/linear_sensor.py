@@ -6,7 +6,7 @@ are in the order A_xx, A_xy, A_xz, A_yx, ..., A_zz, b_x, b_y, b_z; of the gyros 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalig
 BIAS = tuple(Key("bias", a) for a in AXES)
 G_SENSITIVITY = tuple(Key("g_sensitivity", p) for p in PAIRS)
 LEAST_DOF, MOST_DOF, HALVINGS = 0.2, 1e6, 25
+SECANTS, ENOUGH = 60, 1e-12  # at most so many; step of a logarithm that ends them
 FEWEST = 1.0  # degrees of freedom by which something is judged at all
 HIDDEN = "hidden"  # level of a bound on a scatter that nothing shows
 SMALLEST = 1e-4  # singular value over the largest one
@@ -220,14 +221,36 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     found, some = np.full(len(dof), np.inf), dof < MOST_DOF
     if not some.any():
         return found
-    low, high = np.log(np.full(np.count_nonzero(some), LEAST_DOF)), np.log(np.maximum(dof[some], LEAST_DOF))
-    fewer_with = fewer_joined(shares[:, some], dof[some])
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        fewer = fewer_with(np.exp(middle))
-        low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
+    low, high = float(np.log(LEAST_DOF)), np.log(np.maximum(dof[some], LEAST_DOF))
+    beyond = fewer_joined(shares[:, some], dof[some])
+    steps = 2.0**HALVINGS  # the interval is told to so many parts of it
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.ceil((_falls_to_one(beyond, low, high) - low) / (high - low) * steps)
+    high = low + (high - low) * np.clip(np.where(np.isnan(part), steps, part), 1.0, steps) / steps
     found[some] = np.exp(high)
     return found
+
+
+def _falls_to_one(beyond: Callable[[Array], Array], low: float, high: Array) -> Array:
+    """Return the logarithm at which a function that falls with it is one, shape (k,), by secants of its own.
+
+    Infinite where it is above one up to the end, ``low`` where it is below one from the start.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        below, above, old = np.full(len(high), low), high.copy(), high.copy()
+        value = np.log(beyond(np.exp(old)))
+        endless, never = value > 0.0, np.isneginf(value)
+        at = np.clip(old + value, below, above)  # it falls about as the inverse
+        for _ in range(SECANTS):
+            new = np.log(beyond(np.exp(at)))
+            below, above = np.where(new > 0.0, at, below), np.where(new > 0.0, above, at)
+            step = -new * (at - old) / (new - value)
+            old, value = at, new
+            at = np.where((old + step > below) & (old + step < above), old + step, 0.5 * (below + above))
+            at = np.where(new == 0.0, old, at)
+            if np.all((np.abs(at - old) <= ENOUGH) | endless | never):
+                break
+    return np.where(endless, np.inf, np.where(never, low, at))
 
 
 def _scatter(per_square: Array, square: Array) -> Array:
