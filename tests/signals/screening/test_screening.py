@@ -585,3 +585,17 @@ def test_nothing_is_passed_over_that_the_searches_find(monkeypatch: pytest.Monke
     searched = [screen_module._searched(*one) for one in both]
     assert [(one.codes, one.noise, one.step) for one in looked] == [(s.codes, s.noise, s.step) for s in searched]
     assert sum(passed) > 0.8 * sum(not one.findings for one in searched) > 20
+
+
+@pytest.mark.parametrize("kind", ["noise", "codes", "short", "zeros", "huge", "mostly codes"])
+def test_resolution_is_the_same_in_a_loop_and_in_numpy(kind: str) -> None:
+    for seed in range(10):
+        draw = rng(seed)
+        x = 10.0 ** draw.uniform(-6.0, 6.0) * draw.standard_normal((int(draw.integers(1, 40)), 64))
+        x = {
+            "codes": np.rint(3.0 * x), "short": x.astype(np.float32).astype(np.float64), "zeros": 0.0 * x,
+            "huge": 1e60 * x, "mostly codes": np.where(draw.random(x.shape) < 0.08, x, np.rint(1e3 * x)),
+        }.get(kind, x)  # fmt: skip
+        for times in (1.0, 57.29577951308232):
+            given = x / times, times, 0.05, 0.9, 4.0
+            assert _kernels.resolved(*given) == Loops.resolved(*given)

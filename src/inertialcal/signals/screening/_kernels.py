@@ -478,6 +478,40 @@ def look(
 
 
 @compiled
+def resolved(rows: Array, times: float, off: float, most: float, converted: float) -> tuple[float, bool]:
+    """Return the step of rows (k, m), 0 where their differences are no whole steps; whether they fit into 32 bits.
+
+    ``off``: of a step, beyond which a difference is no whole one, as ``most`` of all must be; ``times``: what a sample
+    is multiplied by to be as stored, and ``converted``: units in the last place that this may have changed.
+    """
+    step, many = np.inf, 0
+    for row in rows:
+        for i in range(len(row) - 1):
+            apart = abs(row[i + 1] - row[i])
+            if apart > 0.0:
+                many, step = many + 1, min(step, apart)
+    odd = 0
+    for row in rows:
+        for i in range(len(row) - 1):
+            apart = abs(row[i + 1] - row[i])
+            if apart > 0.0:
+                share = apart / step
+                odd += not abs(share - np.rint(share)) < off
+        if (many - odd) / max(many, 1) < most:
+            break
+    short = True
+    for row in rows:
+        for i in range(len(row)):
+            stored = row[i] * times
+            if not abs(stored - np.float64(np.float32(stored))) <= converted * np.spacing(abs(stored)):
+                short = False
+                break
+        if not short:
+            break
+    return (step if many > 0 and (many - odd) / many >= most else 0.0), short
+
+
+@compiled
 def may_show(
     x: Samples, bits: Samples, size: int, lo: Array, hi: Array, same: NDArray[np.int32], limit: float
 ) -> bool:  # fmt: skip

@@ -22,6 +22,7 @@ FEW = 500  # calls, some 100 records: after so many compiled loops pay, however 
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
 WINDOW = 2 * SIDE + 1
 PRINT, CHANGES = 24, 6  # samples of a fingerprint, and changes of value that it needs
+FIRST = 4  # part of the differences that is looked at first
 CUT = 5.0  # times the level, to which single large values are cut
 ODD = 0x9E3779B97F4A7C15
 WORD = 0xFFFFFFFFFFFFFFFF
@@ -237,6 +238,24 @@ class Loops:
         """Return that this is not all: the searches themselves take no longer here."""
         none = np.empty(0)
         return False, 0.0, none, none, none, none, np.empty(0, dtype=np.int32)
+
+    @staticmethod
+    def resolved(rows: Array, times: float, off: float, most: float, converted: float) -> tuple[float, bool]:
+        """Return the step of rows, 0 where their differences are no whole steps; whether they fit into 32 bits."""
+        apart, stored = np.abs(np.diff(rows, axis=1)), rows * times
+        apart = apart[apart > 0.0]
+        step = float(apart.min()) if len(apart) else 0.0
+        for some in (apart[: len(apart) // FIRST], apart) if step else ():  # a few tell that too many are not
+            odd = np.count_nonzero(~(np.abs(some / step - np.rint(some / step)) < off))
+            if (len(apart) - odd) / len(apart) < most:
+                step = 0.0
+                break
+        with np.errstate(over="ignore", invalid="ignore"):  # beyond all numbers of 32 bits
+            short = all(
+                bool((np.abs(some - some.astype(np.float32)) <= converted * np.spacing(np.abs(some))).all())
+                for some in (stored[:1], stored)
+            )
+        return step, short
 
     @staticmethod
     def may_show(

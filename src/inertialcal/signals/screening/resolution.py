@@ -22,14 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.batches import batches, extremes, finite, kept, known_finite, near
-from ...core.estimate import Array
+from ...core.batches import batches, extremes, finite, is_stored, kept, known_finite, near
 from ..time.samples import Flags
 from .blocks import pieces
+from .loops import loops_for
 
 ROUNDED = 4.0  # times the density of rounding, below which noise does not hide what rounding makes
 OFF, MOST = 0.05, 0.9  # of a step that differences are off a whole number, and the part of them that codes allow
-FIRST = 4  # part of the differences that is looked at first
 CONVERTED = 4.0  # units in the last place, by which a conversion of units and back may be off
 SPURIOUS = 1e-6  # of the largest swing: 120 dB
 
@@ -81,36 +80,19 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
         return Resolution(0.0, 0.0)
     largest = max(abs(low), abs(high))
     _, rows = pieces(given)
-    stored, largest = rows * times, largest * times
-    apart = np.abs(np.diff(rows, axis=1))
-    apart = apart[apart > 0.0]
-    step = float(apart.min()) if len(apart) else 0.0
-    if step and not _are_whole(apart, step):
-        step = 0.0  # no codes
+    step, short = loops_for(len(x)).resolved(rows, times, OFF, MOST, CONVERTED)
     if x.dtype.kind == "f":
-        short = x.dtype == np.float32 or all(_are_short(some) for some in (stored[:1], stored))
-        step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))) / times)
+        kind = np.float32 if short or x.dtype == np.float32 else np.float64
+        step = max(step, float(np.spacing(kind(largest * times))) / times)
     return Resolution(step, max(high - middle, middle - low))
-
-
-def _are_whole(apart: Array, step: float) -> bool:
-    """Return whether most of some differences are whole numbers of a step; a few tell that too many are not."""
-    for some in (apart[: len(apart) // FIRST], apart):
-        off = np.count_nonzero(~(np.abs(some / step - np.rint(some / step)) < OFF))
-        if (len(apart) - off) / len(apart) < MOST:
-            return False
-    return True
-
-
-def _are_short(stored: Array) -> bool:
-    """Return whether numbers hold nothing beyond 32 bits."""
-    with np.errstate(over="ignore", invalid="ignore"):  # beyond all numbers of 32 bits
-        close = np.abs(stored - stored.astype(np.float32)) <= CONVERTED * np.spacing(np.abs(stored))
-    return bool(close.all())
 
 
 def _middle_and_ends(x: NDArray[Any]) -> tuple[float, float, float]:
     """Return the mean, the least and the largest sample in one look; NaN of none."""
+    if 0 < len(x) <= near() and not is_stored(x):
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = float(np.add.reduce(x, dtype=np.float64))
+        return total / len(x), float(np.minimum.reduce(x)), float(np.maximum.reduce(x))
     total, low, high = 0.0, np.inf, -np.inf
     known = known_finite(x)
     if known:
