@@ -1150,8 +1150,8 @@ MUTANTS = (
         "test_rate_table",
     ),
     Mutant(
-        "linearity.py",
-        "np.sum(beside**2, axis=1) - np.sum((beside @ fit.basis) ** 2, axis=1)",
+        "turned.py",
+        "np.sum(beside**2, axis=1) - np.sum((beside @ basis) ** 2, axis=1)",
         "np.sum(beside**2, axis=1)",
         "test_rate_table_closed_forms",
     ),
@@ -1232,8 +1232,8 @@ MUTANTS = (
     ),
     Mutant(
         "start_up.py",
-        "np.average(cells.scatter**2, weights=cells.samples)",
-        "np.average(cells.scatter, weights=cells.samples)",
+        "(cells.scatter**2 * cells.samples).sum()",
+        "(cells.scatter * cells.samples).sum()",
         "test_thermal_test",
     ),
     Mutant(
