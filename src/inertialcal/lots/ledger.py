@@ -11,7 +11,9 @@ import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from sys import intern
 
 from ..core.errors import StoreError
 from .block import Block, Ended
@@ -31,7 +33,7 @@ CREATE TABLE IF NOT EXISTS to_archive (
 """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Noted:
     """A unit as the ledger has it."""
 
@@ -115,12 +117,13 @@ class Ledger:
 
     def units(self) -> dict[str, Noted]:
         """Return the units that are done, by key."""
+        once = lru_cache(maxsize=64)(json.loads)  # units of shared files have the same
         with self._refusals():
             rows = self._file.execute(
                 "SELECT key, status, verdict, reason_code, stamps, block, place, archived FROM units"
             )
-            return {key: Noted(status, verdict, code, json.loads(stamps), block, place, archived)
-                    for key, status, verdict, code, stamps, block, place, archived in rows}  # fmt: skip
+            return {key: Noted(intern(status), intern(verdict), intern(code), once(stamps), block, place, intern(where))
+                    for key, status, verdict, code, stamps, block, place, where in rows}  # fmt: skip
 
     def note(self, keys: Sequence[str], block: Block) -> None:
         """Note a block: its rows, and how each unit ended, by its key."""
