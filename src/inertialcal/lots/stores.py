@@ -553,7 +553,7 @@ class _Footer:
     path: str
     metadata: pq.FileMetaData
     schema: pa.Schema
-    ends: tuple[list[str], list[str]] | tuple[list[int], list[int]]  # Least and largest serial number of each group
+    ends: tuple[list[str | int], list[str | int]]  # Least and largest serial number of each group
     unsaid: NDArray[np.bool_]  # Of which groups it does not say them
 
     @classmethod
