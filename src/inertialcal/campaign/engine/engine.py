@@ -68,7 +68,7 @@ class Prepared:
 
     test: Test
     facts: Facts
-    plan: Any
+    plan: object
     readings: Any
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
