@@ -68,7 +68,7 @@ class Prepared:
 
     test: Test
     facts: Facts
-    plan: object
+    plan: Any
     readings: Any
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
@@ -131,7 +131,7 @@ class Outline:
     leading: Facts  # Of the first sensor, with those of the others
     facts: Mapping[str, Facts]  # By sensor
     chains: Mapping[str, Chain | None]  # By recording
-    plan: Any
+    plan: object
     counts_twice: bool  # Whether another test of its readings would be fitted, too
     exact: tuple[Remark, ...]  # On standards without uncertainty
     asked: bool  # Whether a requirement asks for what recordings give
