@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
@@ -61,6 +62,9 @@ def _compiler(**options: Any) -> Callable[[F], F]:
         if isinstance(found, Dispatcher):  # which it is not under NUMBA_DISABLE_JIT
             with suppress(RuntimeError, OSError):  # no folder can be written
                 found._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]
+            # Numba compiles what another loop calls with True apart from what it calls with False: once does for both
+            given = found.get_call_template
+            found.get_call_template = lambda args, kws: given(tuple(map(types.unliteral, args)), kws)  # type: ignore[method-assign]
         return cast("F", found)
 
     return decorate

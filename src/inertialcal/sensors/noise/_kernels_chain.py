@@ -166,7 +166,7 @@ def sum_of_squares(values: Array, covariance: Array, dof: int, small: float) -> 
         for j in range(i):
             A[i, j] = A[j, i] = A[i, j]
     rotate(A, V)
-    order = np.argsort(np.diag(A).copy())
+    order = np.argsort(np.diag(A).copy(), kind="mergesort")
     total, kept = 0.0, 0
     for i in order[max(n - dof, 0) :]:
         if A[i, i] > small * A[order[-1], order[-1]]:
