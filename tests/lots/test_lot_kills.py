@@ -139,7 +139,8 @@ def test_an_interruption_leaves_a_lot_that_goes_on(lot: tuple[Path, dict[str, st
     os.killpg(process.pid, signal.SIGTERM)  # to all of them, as a terminal does
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "incomplete" in json.loads(said)["errors"][0]["what"]
+    told = json.loads(said)["errors"][0]["what"]
+    assert "incomplete. Go on with it by --resume" in told
     assert gone(seen)
     process = begun(lot[0], out)
     process.communicate(timeout=300)

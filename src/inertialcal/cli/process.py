@@ -180,7 +180,8 @@ def _watch(given: Sequence[str]) -> None:
 
 def interrupted() -> str:
     """Return what an interruption leaves on disk."""
-    return f"interrupted; {on_disk()}" if on_disk() else "interrupted: nothing was written"
+    then = f". {interruption.then}" if interruption.then else ""
+    return f"interrupted; {on_disk()}{then}" if on_disk() else "interrupted: nothing was written"
 
 
 def on_disk() -> str:

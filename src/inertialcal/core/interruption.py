@@ -19,6 +19,7 @@ class Interruption:
         self.accepted = False  # The last request is the way to end the command
         self.holds = 0
         self.written: dict[str, bool] = {}  # Paths of this command, and whether each is complete
+        self.then = ""  # What goes on with what is not complete
         self.noting = False  # Only in the command line, which ends
 
     def request(self) -> None:
@@ -54,10 +55,10 @@ class Interruption:
         """Take what was requested as the way to end the command: it goes on to its end, held back from nothing."""
         self.requested, self.accepted = False, True
 
-    def note(self, path: str | os.PathLike[str], complete: bool = True) -> None:
-        """Note a file or folder that is on disk, for the message of an interruption."""
+    def note(self, path: str | os.PathLike[str], complete: bool = True, then: str = "") -> None:
+        """Note a file or folder that is on disk, for the message of an interruption, and what goes on with it."""
         if self.noting:
-            self.written[os.fspath(path)] = complete
+            self.written[os.fspath(path)], self.then = complete, then
 
 
 interruption = Interruption()

@@ -282,7 +282,7 @@ class _Lot:
         who: Workers = self._workers(workers, scheduler)
         ledger = Ledger(self.folder)
         try:
-            interruption.note(self.folder, complete=False)
+            interruption.note(self.folder, complete=False, then="Go on with it by --resume")
             known = self._known(ledger)
             missing = [number for number, key in enumerate(keys) if key not in known]
             self.done = len(keys) - len(missing)
