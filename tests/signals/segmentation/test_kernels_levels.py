@@ -190,8 +190,25 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
     assert run.margin(rates, 10, 410, 50, 10, 4.0) == expected
 
 
+def test_the_variance_of_quiet_blocks_is_the_mean_of_those_below_its_limit(run: Any) -> None:
+    variances = np.append(noise(300) ** 2 + 1.0, [400.0] * 60)
+    pooled = np.quantile(variances, 0.25) / 0.8
+    for _ in range(5):
+        pooled = variances[variances <= 2.0 * pooled].mean()
+    assert run._quiet_variance(variances, 0.25, 0.8, 2.0, 5) == pytest.approx(pooled)
+
+
+@pytest.mark.parametrize(("disturbed", "still"), [("", True), ("spike", False), ("step", False), ("missing", False)])
+def test_noise_alone_is_still(run: Any, disturbed: str, still: bool) -> None:
+    x = noise(4000)
+    x[1234] += 60.0 * (disturbed == "spike")
+    x[2000:] += 5.0 * (disturbed == "step")
+    x[7] = np.nan if disturbed == "missing" else x[7]
+    assert bool(run.is_still(x, 8, 4, (0.5, 0.25, 0.7, 2.0), 10, 7.0, 6, 40, 4.0)) is still
+
+
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_square", "_sums", "count_above",
-                             "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps",
-                             "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "margin",
-                             "sum_of"]  # fmt: skip
+    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_quiet_variance", "_square", "_sums",
+                             "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far",
+                             "fill_jumps", "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "is_still",
+                             "margin", "sum_of"]  # fmt: skip
