@@ -115,3 +115,15 @@ def test_readings_of_the_unit_alone_count(
     lot = lot_of(still_lot(tmp_path / "lot", seeds), "A,u1,x\nB,u2,y\n", more)
     ic.lot(lot, tmp_path / "out", workers=0, report=False)
     assert codes(tmp_path / "out") == expected
+
+
+def test_two_files_of_one_unit_that_are_alike_are_no_copy_of_another_unit(tmp_path: Path) -> None:
+    lot = still_lot(tmp_path / "lot", {"u1": 1, "u2": 2})
+    head, tests = STILL.split("[recordings.log]")
+    again = head[head.index("[recordings.still]") :].replace("still", "again")
+    text = f"{head}{again}[recordings.log]{tests}"
+    (lot / "campaign.toml").write_text(text.replace('["still"]', '["still", "again"]'), encoding="utf-8", newline="\n")
+    for unit in ("u1", "u2"):
+        shutil.copy(lot / unit / "still.csv", lot / unit / "again.csv")
+    ic.lot(lot, tmp_path / "out", workers=0, report=False)
+    assert "same_recording" not in codes(tmp_path / "out")

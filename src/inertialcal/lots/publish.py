@@ -198,7 +198,7 @@ def _copies(lot: Lot, ledger: Ledger, noted: Sequence[Noted]) -> list[tuple[int,
     for number, source, path, digest in _readings(lot, ledger, noted) if twice else ():
         if int(digest[:16], 16) in twice:
             before, other, of_before = first.setdefault(digest, (number, source, path))
-            if other != source:
+            if other != source and before != number:  # two that are alike in one unit are for its own gate to judge
                 pairs.append((before, number, of_before, path))
     return pairs
 
