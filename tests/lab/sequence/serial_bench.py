@@ -16,7 +16,7 @@ import tty
 
 SLEW, TAU = 60.0, 0.15  # [deg/s^2], [s]
 PACE = 0.01  # of the gyro [s]
-SCALE, DRIFT = 1.01, 0.002  # of the gyro; [deg/s/degC]
+SCALE, DRIFT, NOISE = 1.01, 0.002, 0.01  # of the gyro; [deg/s/degC], [deg/s]
 
 IMU = """[frame]
 kind = "lines"
@@ -108,7 +108,7 @@ class SerialBench:
                 for line in lines:
                     self._hear(name, line.decode().strip())
             while counter * PACE <= now - begin:
-                value = SCALE * self.rate + DRIFT * self.temperature + noise.gauss(0.0, 0.01)
+                value = SCALE * self.rate + DRIFT * self.temperature + noise.gauss(0.0, NOISE)
                 row = f"{counter},{counter * PACE:.3f},{value:.5f},{self.temperature:.3f}\n"
                 self._send("imu", row)
                 counter += 1

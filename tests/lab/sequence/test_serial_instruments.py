@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from serial_bench import DIALECTS, DRIFT, SCALE, SerialBench
+from serial_bench import DIALECTS, DRIFT, NOISE, PACE, SCALE, SerialBench
 
 pytest.importorskip("serial")
 
@@ -25,6 +25,7 @@ ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 PATIENCE = 90.0  # [s] of this machine
 RATES = (0.0, 10.0, -10.0, 20.0, -20.0)  # [deg/s]
 WARMTH = (20.0, 40.0)  # [degC]
+RECORD = 0.4  # [s]
 STEPS = len(WARMTH) * (len(RATES) + 1)
 HEAD = """schema = 1
 [lab]
@@ -73,7 +74,7 @@ def written(folder: Path, bench: SerialBench) -> Path:
         for rate in RATES:
             text += f'[[sequence.steps]]\nname = "{name} {rate:g}"\nrecording = "{name}"\n'
             text += f'set = {{ "table.rate" = "{rate:g} deg/s" }}\n' + STABLE.format("table", "rate", "0.01 deg/s")
-            text += 'record = { for = "0.4 s" }\n'
+            text += f'record = {{ for = "{RECORD} s" }}\n'
         campaign += f'[recordings.{name}]\nsensor = "gyro"\nfile = "recordings/{name}.csv"\naxis = "x"\n'
         campaign += f'schedule = {{ file = "schedules/{name}.csv", unit = "deg/s" }}\n'
         campaign += 'clock = { column = "time", interval = "10 ms" }\n'
@@ -108,13 +109,20 @@ def found(made: Path) -> dict[tuple[str, str], tuple[float, float]]:
 
 
 def check_results(made: Path) -> None:
-    """What is found is what the gyro has."""
+    """What is found is what the gyro has, to 5 times what its noise lets through.
+
+    Of five dwells two degrees of freedom are left: to 5 times the u that is found, 4 of 100 sound runs would fail.
+    """
     results = found(made)
+    of_a_mean = NOISE / np.sqrt(0.75 * RECORD / PACE)  # [deg/s]; a quarter of a record may be left out
+    u_scale, u_bias = of_a_mean / np.linalg.norm(RATES), np.radians(of_a_mean / np.sqrt(len(RATES)))
     for warmth in WARMTH:
-        scale, u_scale = results["scale_factor_error", f"at_{warmth:.0f}"]
-        bias, u_bias = results["bias", f"at_{warmth:.0f}"]
-        assert abs(scale - (SCALE - 1.0)) < 5.0 * u_scale < 2e-3
-        assert abs(bias - np.radians(DRIFT * warmth)) < 5.0 * u_bias < np.radians(0.05)
+        scale, said = results["scale_factor_error", f"at_{warmth:.0f}"]
+        assert abs(scale - (SCALE - 1.0)) < 5.0 * u_scale
+        assert 0.0 < said < 10.0 * u_scale
+        bias, said = results["bias", f"at_{warmth:.0f}"]
+        assert abs(bias - np.radians(DRIFT * warmth)) < 5.0 * u_bias
+        assert 0.0 < said < 10.0 * u_bias
 
 
 def until(process: subprocess.Popen[bytes], path: Path, wanted: int) -> None:
