@@ -175,6 +175,17 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
     )
 
 
+def joined_terms_many(given: Sequence[Sequence[ModelTerms]]) -> list[ModelTerms | PlanError]:
+    """Return what `joined_terms` gives of the parts of each of many models, of many units, or why it is refused."""
+    found: list[ModelTerms | PlanError] = []
+    for parts in given:
+        try:
+            found.append(joined_terms(parts))
+        except PlanError as error:
+            found.append(error)
+    return found
+
+
 def _check_once(one: ModelTerms, other: ModelTerms) -> None:
     """Refuse two parts that give one parameter; a value that was found after the other adds to it."""
     after = {*one.tests} & {*other.after} or {*other.tests} & {*one.after}

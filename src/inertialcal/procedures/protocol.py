@@ -709,6 +709,13 @@ class Procedure(Generic[P, R, S]):
         """
         return ()
 
+    def agreement_many(self, tests: Sequence[tuple[P, R]]) -> list[Sequence[Remark]]:
+        """Return what `agreement` gives of each of many tests, of many units.
+
+        What breaks down in one of them ends the whole call: the engine then asks for each by itself.
+        """
+        return [self.agreement(plan, readings) for plan, readings in tests]
+
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""
         raise NotImplementedError
@@ -834,6 +841,13 @@ class Procedure(Generic[P, R, S]):
         """Return the terms of the model that a (joint) result of tests gives; None where there are none."""
         return None
 
+    def terms_many(self, given: Sequence[tuple[S, Sequence[Tested[P, R, S]]]]) -> list[ModelTerms | None]:
+        """Return what `terms` gives of each of many results, of many units, with the tests behind each.
+
+        What breaks down in one of them ends the whole call: the engine then asks for each by itself.
+        """
+        return [self.terms(result, tests) for result, tests in given]
+
     def without_model(self, plan: P) -> str:
         """Return what a test lacks whose figures are none of a model's; empty where each says why it is not there."""
         return ""
@@ -868,6 +882,10 @@ class Procedure(Generic[P, R, S]):
     def rows(self, result: S) -> Sequence[Row]:
         """Return the rows of ``results.json``, SI, of a result about one sensor."""
         return result.rows()
+
+    def rows_many(self, results: Sequence[S]) -> list[Sequence[Row]]:
+        """Return what `rows` gives of each of many results, of many units; what breaks down in one ends the call."""
+        return [self.rows(one) for one in results]
 
     def curves(self, result: S) -> Sequence[Curve]:
         """Return the curves of ``results.json``, SI."""
