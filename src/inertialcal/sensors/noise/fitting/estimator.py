@@ -29,7 +29,7 @@ from functools import cache, cached_property
 import numpy as np
 from scipy import special
 
-from ....core.errors import DataError, PlanError
+from ....core.errors import DataError, InertialcalError, PlanError
 from ....core.estimate import Array, Component, Estimate
 from ....core.key import Key, Kind
 from ....core.remarks import Remark
@@ -109,18 +109,50 @@ def fit(
     PlanError
         If the probability is not between 0 and 1.
     """
-    if not 0.0 < p < 1.0:
-        raise PlanError(f"intervals of probability {p:g}", do="Give one between 0 and 1: 0.95", code="probability")
-    several = list(curves) if isinstance(curves, Sequence) else [curves]
+    (found,) = fit_many([Fit(curves, kind, terms, lines, bands, axis, unit, p)])
+    if isinstance(found, InertialcalError):
+        raise found
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What `fit` is asked: the same arguments."""
+
+    curves: AllanLike | Run | Sequence[AllanLike | Run]
+    kind: Kind | None
+    terms: str | Sequence[str] = "auto"
+    lines: Sequence[float] = ()
+    bands: Sequence[Band | None] = ()
+    axis: int | None = None
+    unit: str = ""
+    p: float = 0.95
+
+
+def fit_many(fits: Sequence[Fit]) -> list[NoiseFit | InertialcalError]:
+    """Return what `fit` gives of each, or why there are no terms: records of one length share what they can."""
+    found: list[NoiseFit | InertialcalError] = []
+    for one in fits:
+        try:
+            found.append(_alone(one))
+        except InertialcalError as error:
+            found.append(error)
+    return found
+
+
+def _alone(one: Fit) -> NoiseFit:
+    if not 0.0 < one.p < 1.0:
+        raise PlanError(f"intervals of probability {one.p:g}", do="Give one between 0 and 1: 0.95", code="probability")
+    several = list(one.curves) if isinstance(one.curves, Sequence) else [one.curves]
     if not several:
         raise DataError("no Allan deviation to fit", do="Give that of one run, or of several", code="too_short")
-    samples = sample_unit(kind, unit or unit_of(several[0]))
-    runs = [run_of(curve, axis, samples) for curve in several]
-    if bands:
-        runs = [run if band is None else inside(run, band) for run, band in zip(runs, bands, strict=True)]
-    plain = problem_of(runs, lines)
-    solution = _solved(plain, terms, kind, samples, p)
-    return _result(plain, solution, AUTO if terms == "auto" else _names(terms))
+    samples = sample_unit(one.kind, one.unit or unit_of(several[0]))
+    runs = [run_of(curve, one.axis, samples) for curve in several]
+    if one.bands:
+        runs = [run if band is None else inside(run, band) for run, band in zip(runs, one.bands, strict=True)]
+    plain = problem_of(runs, one.lines)
+    solution = _solved(plain, one.terms, one.kind, samples, one.p)
+    return _result(plain, solution, AUTO if one.terms == "auto" else _names(one.terms))
 
 
 def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseFit:
