@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -110,6 +111,18 @@ def test_a_bad_station_is_named_and_left_out() -> None:
     assert population.n == 300
     assert abs(population.mean - MEAN["scale_factor_error"]) < 3.0 * population.mean_u
     assert "station S2" in text(found.parts())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_drift_hides_no_station_and_makes_none(seed: int) -> None:
+    """A drift three times as large as the units scatter; in the second lot stations tested one after the other."""
+    found = study(lot(80, seed, bad_station=0.35, drift=0.7), LINE)
+    assert {one.level for one in found.off} == {"S2"}
+    table, late = lot(200, seed), np.arange(200) / 200
+    columns = table.columns.set_column(0, "station", pa.array([f"S{int(4.0 * one)}" for one in late]))
+    told = 0.2 * np.random.default_rng(seed).standard_normal(table.told.shape) + 0.7 * late[:, None]
+    found = study(replace(table, told=told, columns=columns), LINE)
+    assert not found.off
 
 
 def test_odd_units_are_named_and_in_no_capability() -> None:

@@ -216,15 +216,20 @@ def study(table: Table, columns: Columns) -> Study:
         if rows.size < 2:
             rows = np.flatnonzero(np.isfinite(table.values[:, k]) & first)
         y, common = table.values[rows, k], float(np.median(table.common[rows, k]))
-        at_station = levels(y, stations[rows], common, len(usable)) if len(names) > 1 else []
+        known = np.isfinite(place[rows])
+        change = along(y[known], place[rows][known], stations[rows][known], len(usable)) if known.sum() > 1 else None
+        drift, in_step = 0, None
+        if change is not None:  # units of a station may be early or late ones: a line is taken off, drift or not
+            away = np.where(known, place[rows] - float(place[rows][known].mean()), 0.0)
+            y, drift, in_step = y - change.slope * away, 1, change.u * away
+        at_station = levels(y, stations[rows], common, len(usable), drift, in_step) if len(names) > 1 else []
         off += [Off(columns.station, names[one.number], table.figures[k], one) for one in at_station if one.off]
         centred = y - np.array([next(one.mean for one in at_station if one.number == s) for s in stations[rows]]) \
             if at_station else y  # fmt: skip
+        spent = max(len(at_station) - 1, 0) + drift
         for name, (level, called) in factors.items():
-            found = levels(centred, level[rows], 0.0, len(usable) * len(factors), max(len(at_station) - 1, 0))
+            found = levels(centred, level[rows], 0.0, len(usable) * len(factors), spent)
             off += [Off(name, called[one.number], table.figures[k], one) for one in found if one.off]
-        known = np.isfinite(place[rows])
-        change = along(y[known], place[rows][known], stations[rows][known], len(usable)) if known.sum() > 1 else None
         made.append(_figure_study(table, k, rows, stations, at_station, change, odd_rows, len(usable)))
     drifting = tuple(one for one in made if one.along is not None and one.along.drifts)
     done = np.array([one == "done" for one in table.statuses]) & first

@@ -5,10 +5,11 @@ by what units scatter, ``S^2 / n_g``, and by what the standards of each are stat
 what is beyond is a level that is off. The one farthest off is named, taken out, and the rest judged again (a
 generalized extreme studentized deviate test [1]_), each step at a probability of 5 % over all levels and over all
 figures that are judged together (Bonferroni), so that a lot in which nothing is off names any level in at most 5 %, by
-Student's t: of a few units at each level S is hardly known.
-Of two levels none can be told to be the
-wrong one: both are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy
-tails make no finding.
+Student's t: of a few units at each level S is hardly known. Of two levels none can be told to be the wrong one: both
+are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy tails make no
+finding. Before stations are set against each other the line along the lot (below) is taken off: a drift would count as
+scatter of units, or as a station that tested late ones. Of such stations the uncertainty of the slope counts too
+(``in_step``).
 
 *Along the lot*: the slope against time, or against the number of the unit. Units are taken in ``BLOCKS`` blocks,
 whose means a line is fitted to: a mean that wanders from block to block widens the uncertainty of the slope, so that
@@ -48,7 +49,7 @@ class Level:
     n : int
         Units.
     mean : float
-        Of them.
+        Of their figures, as they were given.
     offset, u : float
         How far it lies from the mean of the levels that are not off, and the standard uncertainty of that by the
         scatter of units alone: of a level that is off with that of the others.
@@ -70,7 +71,14 @@ class Level:
     off: bool
 
 
-def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1, spent: int = 0) -> list[Level]:
+def levels(
+    values: Array,
+    at: NDArray[np.intp],
+    common: float,
+    figures: int = 1,
+    spent: int = 0,
+    in_step: Array | None = None,
+) -> list[Level]:
     """Return the levels of a factor that have units.
 
     Parameters
@@ -85,6 +93,9 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1,
         How many figures are judged together.
     spent : int
         Degrees of freedom that were taken off the figures before: where means of stations were, one for each but one.
+    in_step : ndarray, shape (n,), optional
+        Standard uncertainty of each figure by what was taken off all of them in proportion to it, such as a drift: they
+        are all off together, each with the sign that it has here.
     """
     sizes = np.bincount(at)
     known = np.flatnonzero(sizes)
@@ -96,15 +107,17 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1,
     if known.size < 2 or free < 1 or not square > (ROUNDING * float(np.abs(values).max())) ** 2:
         return [Level(int(k), int(m), float(v), 0.0, math.nan, math.nan, 1.0, False)
                 for k, m, v in zip(known, n, means, strict=True)]  # fmt: skip
+    moved = np.zeros(known.size) if in_step is None else np.bincount(at, in_step)[known] / n
     fixed = square / n + common**2
     told, spread = (means, fixed) if common else _scored(values, at, n, free)
+    told_moved = moved if common else moved / math.sqrt(square)
     most = square * free / float(special.chdtri(free, 1.0 - P / figures)) / n  # that may be behind what is seen
     seen = most / (most + common**2) if common else np.ones(known.size)
     kept = np.ones(known.size, dtype=bool)
     p_of = np.ones(known.size)
     while kept.sum() >= max(2, math.ceil(known.size * HALF)):
         own = np.flatnonzero(kept)
-        z, share = np.array([_distance(told, spread, seen, own, int(k)) for k in own]).T
+        z, share = np.array([_distance(told, spread, seen, told_moved, own, int(k)) for k in own]).T
         worst = int(np.argmax(z))
         chance = 2.0 * special.stdtr(free / share[worst] ** 2, -z[worst])
         p = min(1.0, float(chance) * own.size * figures)
@@ -121,7 +134,8 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1,
         beside = i not in chosen  # else it is one of those that it is set against
         others = 1.0 / float(weights.sum()) if beside else 0.0
         scatter = float(weights**2 @ (square / n[chosen])) * others**2
-        u, allowed = math.sqrt(square / n[i] + scatter), math.sqrt(fixed[i] + others)
+        line = (moved[i] - float(weights @ moved[chosen]) / float(weights.sum())) ** 2 if beside else moved[i] ** 2
+        u, allowed = math.sqrt(square / n[i] + scatter + line), math.sqrt(fixed[i] + others + line)
         found.append(
             Level(int(k), int(n[i]), float(means[i]), float(means[i]) - centre, u, allowed, float(p_of[i]),
                   not bool(kept[i]))
@@ -145,7 +159,9 @@ def normal_scores(values: Array) -> Array:
     return np.asarray(special.ndtri((ranks + 0.5) / values.size))
 
 
-def _distance(means: Array, fixed: Array, seen: Array, own: NDArray[np.intp], k: int) -> tuple[float, float]:
+def _distance(
+    means: Array, fixed: Array, seen: Array, moved: Array, own: NDArray[np.intp], k: int
+) -> tuple[float, float]:
     """Return how far a level lies from the others, in standard deviations of that; what part of its variance is seen.
 
     The rest is what standards state, which is known: the degrees of freedom are those of what is seen, over the square
@@ -154,9 +170,9 @@ def _distance(means: Array, fixed: Array, seen: Array, own: NDArray[np.intp], k:
     others = own[own != k]
     weights = 1.0 / fixed[others]
     weights = weights / float(weights.sum())
-    parts = np.array([fixed[k], weights**2 @ fixed[others]])
+    parts = np.array([fixed[k], weights**2 @ fixed[others], (moved[k] - weights @ moved[others]) ** 2])
     far = abs(float(means[k] - weights @ means[others])) / math.sqrt(float(parts.sum()))
-    return far, float(parts @ [seen[k], weights @ seen[others]] / parts.sum())
+    return far, float(parts @ [seen[k], weights @ seen[others], 1.0] / parts.sum())
 
 
 @dataclass(frozen=True)
