@@ -174,6 +174,19 @@ def test_resume_redoes_what_changed_alone(made: tuple[Path, Path], tmp_path: Pat
     assert digests(out) == digests(made[1])
 
 
+def test_recordings_that_were_put_away_throw_nothing_away(tmp_path: Path) -> None:
+    lot, out = shared_lot(tmp_path / "lot", 4), tmp_path / "out"
+    ic.lot(lot, out, workers=0)
+    before, recordings = digests(out), lot.with_name("rates.parquet")
+    recordings.rename(tmp_path / "away.parquet")
+    with pytest.raises(DataError) as error:
+        ic.lot(lot, out, resume=True, workers=0)
+    assert error.value.problems[0].code == "missing_file"
+    assert digests(out) == before
+    (tmp_path / "away.parquet").rename(recordings)
+    assert ic.lot(lot, out, resume=True, workers=0).kept == 4
+
+
 def test_resume_redoes_all_where_the_campaign_or_the_version_changed(
     made: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

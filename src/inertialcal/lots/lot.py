@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from ..campaign.engine.cache import code_digest
 from ..campaign.engine.processes import cores
 from ..campaign.engine.status import EXIT
-from ..core.errors import PlanError, Problem, StoreError, UsageError
+from ..core.errors import DataError, PlanError, Problem, StoreError, UsageError
 from ..core.interruption import interruption
 from ..core.remarks import Remark
 from ..core.show.result_tables import remarks_line
@@ -335,7 +335,18 @@ class _Lot:
         return max(1, min(MOST, len(self.given) // SHARES))
 
     def _known(self, ledger: Ledger) -> dict[str, Noted]:
-        """Return what is done and holds: of the same campaign, code and inputs."""
+        """Return what is done and holds: of the same campaign, code and inputs.
+
+        Raises
+        ------
+        DataError
+            ``missing_file`` where no recording of what is done is there any more: it is not thrown away for that.
+        """
+        before = [one for one in ledger.units().values() if one.status == "done" and one.stamps]
+        if before and not any(self.job.place.stamps(list(one.stamps)) for one in before):
+            what = f"none of the recordings of the {len(before)} units that are done is there any more"
+            do = "Put them back where the lot finds them. What is done stands as it was"
+            raise DataError(what, self.job.place.store, "no unit could be reduced again", do, "missing_file")
         digest = sha256(f"{self.lot.digest()} {self.job.version}".encode()).hexdigest()
         if ledger.said("of", digest) != digest:
             ledger.forget_all()
