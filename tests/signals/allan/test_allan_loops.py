@@ -88,7 +88,7 @@ def test_exponents_of_averages_agree(walk: float, kind: type[np.floating[Any]]) 
     rng = np.random.default_rng(3)
     x = (rng.normal(1e3, 1.0, 3000) + walk * rng.normal(size=3000).cumsum()).astype(kind)
     factors, phases, found = 2 ** np.arange(10), np.empty((2, 3001)), np.empty((2, 10))
-    where, lost, known = noise_type._looked_at(3001, factors.tobytes(), 1)
+    where, lost, known = noise_type.looked_at(3001, factors.tobytes(), 1)
     for module, phase, out in zip((_kernels, loops), phases, found, strict=True):
         module.integrate_all(x, 7, phase)
         module.fill_exponents(phase, factors, where, lost, noise_type.SMALL_ENOUGH, known, out)

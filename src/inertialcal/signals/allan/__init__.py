@@ -15,14 +15,18 @@ True
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.estimate import Array
 from ..names import Deviation, Quantity
+from ..threads import LARGE
 from .channel import (
     Allan,
+    analyse_alike,
     analyse_channel,
     checked_kind,
     checked_names,
@@ -31,9 +35,10 @@ from .channel import (
     joined,
 )
 from .gaps import check_averaging, on_grid
+from .loops import FEW
 from .taus import Factors, Taus, factors_of
 
-__all__ = ["Allan", "Deviation", "Quantity", "allan", "on_grid"]
+__all__ = ["Allan", "Deviation", "Quantity", "allan", "allan_alike", "on_grid"]
 
 ONE_SIGMA = 0.6827
 
@@ -102,3 +107,51 @@ def allan(
     return joined(
         columns, m, n, interval, averaging, deviation, quantity, names, unit, scale=scale, p=p, remarks=remarks
     )
+
+
+def allan_alike(
+    series: Sequence[Array],
+    interval: float,
+    *,
+    averaging: float | None = None,
+    p: float = ONE_SIGMA,
+    names: Sequence[str],
+    unit: str = "",
+) -> tuple[Allan | None, list[int]]:
+    """Return the overlapping Allan deviations at octaves of many complete records of one length, side by side.
+
+    They are those of `allan`, of each by itself. Records of which it says anything, or that are too short or too long
+    to be taken so, are left out.
+
+    Parameters
+    ----------
+    series : sequence of ndarray, shape (n,)
+        Rates, in float64, one interval apart.
+    interval, averaging, p, unit : as `allan` takes them
+    names : sequence of str
+        Of the records.
+
+    Returns
+    -------
+    Allan or None
+        Of the records that are taken, one a column; None where there is none.
+    taken : list of int
+        Which they are.
+
+    Raises
+    ------
+    DataError, PlanError
+        As `allan`.
+    """
+    kind, samples = checked_kind("rate", "overlapping", p, "auto"), len(series[0])
+    check_averaging(interval, averaging)
+    if not FEW < samples < LARGE:
+        return None, []
+    m, remarks = factors_of(kind, samples + 1, interval)
+    found, taken = analyse_alike(series, kind, m)
+    if not taken:
+        return None, []
+    named = tuple(names[i] for i in taken)
+    return joined(
+        [found], m, samples, interval, averaging, "overlapping", "rate", named, unit, scale=1.0, p=p, remarks=remarks
+    ), taken

@@ -186,6 +186,24 @@ def fill_exponents(
 
 
 @compiled
+def fill_octaves(
+    x: Array, step: int, factors: Whole, places: Whole, lost: Array, small: float, known: Array, phase: Array,
+    sums: Array, out: Array,
+) -> bool:  # fmt: skip
+    """Fill sums of squared second differences and exponents of one short channel; return whether all is finite.
+
+    ``phase``, one longer than ``x``, is room; the others are as `integrate_all` and `fill_exponents` take them.
+    """
+    integrate_all(x, step, phase)
+    if not np.isfinite(phase[len(x)]):
+        return False
+    sums[:] = 0.0
+    _add_part(phase, factors, 2, 0, 1, sums)
+    fill_exponents(phase, factors, places, lost, small, known, out)
+    return True
+
+
+@compiled
 def _exponent(r: float, steps: Array) -> float:
     """Return the exponent of noise whose averages have a lag-1 autocorrelation, between those of whole exponents."""
     if np.isnan(r):

@@ -18,17 +18,19 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Deviation, Quantity
-from .deviations import KINDS, Kind, variances
+from .deviations import KINDS, Kind, terms_of, variances
 from .edf import BLUEST, believed_powers, bias_of, carried_on, identified_powers
 from .edf import interval as interval_of
-from .gaps import dead_time_remark, missing_remark
-from .prefix import QUANTITIES, give_back, phase_of
+from .gaps import COMPLETE, dead_time_remark, missing_remark
+from .noise_type import SMALL_ENOUGH, looked_at
+from .prefix import LEVEL_FROM, QUANTITIES, give_back, phase_of
 from .streamed import is_streamed, streamed_variances
 from .total import total_variances
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0
 BY_TIME = ("edf", "deviation", "terms", "power", "inflation", "ends")  # what channels have at each averaging time
+CHANNELS = ("n", "deviation", "lo", "hi", "edf", "power", "inflation", "ends")  # the same, of a curve
 FEW = 3  # channels that are named x, y, z where nobody says
 
 
@@ -105,6 +107,51 @@ def analyse_channel(
             what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
             remarks.append(Remark("gaps_too_many", "warning", what, count=empty))
     return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, missing, tuple(remarks))
+
+
+def analyse_alike(
+    series: Sequence[Array], kind: Kind, factors: NDArray[np.int64]
+) -> tuple[Channel, list[int]]:
+    """Return the deviations of complete, short channels of one length, side by side, and which of them are sound.
+
+    Only of those nothing is to be said, and all they are compared with is shared. The others are for `analyse_channel`.
+
+    Parameters
+    ----------
+    series : sequence of ndarray, shape (n,)
+        Rates, in float64.
+    kind : Kind
+        The overlapping Allan deviation.
+    factors : ndarray of int64, shape (k,)
+        Averaging factors, rising.
+
+    Returns
+    -------
+    Channel
+        Of all sound channels, arrays of shape (k, channels).
+    sound : list of int
+        Which they are.
+    """
+    from ._kernels import fill_octaves  # noqa: PLC0415 - starts slowly
+
+    n = len(series[0])
+    where, lost, known = looked_at(n + 1, factors.tobytes(), -kind.reddest // 2)
+    sums, exponents, phase = *np.empty((2, len(series), len(factors))), np.empty(n + 1)
+    step = max(1, n // LEVEL_FROM)
+    whole = [
+        fill_octaves(x, step, factors, where, lost, SMALL_ENOUGH, known, phase, own, exponent)
+        for x, own, exponent in zip(series, sums, exponents, strict=True)
+    ]
+    told = where[:, 0] > 0
+    good = np.array(whole) & (sums > 0.0).any(axis=1) & (np.isfinite(exponents) == told).all(axis=1)
+    if np.count_nonzero(told) < min(TELLING, len(factors)):
+        good[:] = False
+    terms = terms_of(kind, n + 1, factors)
+    power, edf = carried_on(believed_powers(exponents[good].T, kind), kind, factors, terms)
+    deviation = np.sqrt(sums[good].T / (kind.divisor * terms * factors.astype(np.float64) ** 2)[:, None])
+    ones = np.ones(deviation.shape)
+    counts = np.broadcast_to(terms[:, None], deviation.shape)
+    return Channel(deviation, counts, ones, edf, power, COMPLETE * ones, 0, ()), good.nonzero()[0].tolist()
 
 
 def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"] | int) -> Kind:
@@ -217,12 +264,14 @@ def joined(
         On the averaging times.
     """
     if len(columns) == 1:
-        beside = {name: vars(columns[0])[name][:, None] for name in BY_TIME}
+        beside = {name: vars(columns[0])[name] for name in BY_TIME}
+        beside = {name: own[:, None] if own.ndim == 1 else own for name, own in beside.items()}
     else:
         beside = {name: np.array([getattr(one, name) for one in columns]).T for name in BY_TIME}
     edf, found = beside["edf"], beside["deviation"] * (scale if quantity == "rate" else scale / interval)
     lo, hi = interval_of(found, edf, p)
     missing = np.array([one.missing for one in columns], dtype=np.int64)
+    missing = missing if len(columns) > 1 else np.repeat(missing, found.shape[1])
     remarks += dead_time_remark(interval, averaging) + missing_remark(missing, samples, names)
     return Allan(
         tau=m.astype(np.float64) * interval,
@@ -284,6 +333,16 @@ class Allan:
 
     def __len__(self) -> int:
         return len(self.tau)
+
+    def apart(self) -> list[Allan]:
+        """Return the curve of each channel by itself; each with the remarks of all."""
+        shared = vars(self)
+        arrays = [(name, shared[name]) for name in (*CHANNELS, "missing")]
+        found = []
+        for i, name in enumerate(self.names):
+            own = {key: value[..., i : i + 1] for key, value in arrays}
+            found.append(Allan(**{**shared, **own, "names": (name,)}))
+        return found
 
     @property
     def variance(self) -> Array:

@@ -60,6 +60,7 @@ from .prefix import Phase
 BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral
 FIRST = -4  # exponent of the reddest noise that a deviation converges for
 WHITE = 0.0
+FEW = 3  # channels from which on degrees of freedom repeat
 LAGS = 32  # lags a window, of the autocorrelation behind the degrees of freedom ...
 GRADE = 0.1  # ... and how much farther each from a whole window where it has logarithms there
 LONG = 8  # samples of a window from which published degrees of freedom of total variances hold
@@ -204,21 +205,22 @@ def interval(deviation: Array, edf: Array, p: float) -> tuple[Array, Array]:
         Probability of the interval.
     """
     tail = 0.5 * (1.0 - p)
-    return (
-        deviation * np.sqrt(edf / special.chdtri(edf, tail)),
-        deviation * np.sqrt(edf / special.chdtri(edf, 1.0 - tail)),
-    )
+    known, at = np.unique(edf, return_inverse=True) if edf.shape[1] > FEW else (edf, ...)
+    lo, hi = (np.sqrt(known / special.chdtri(known, chance))[at] for chance in (tail, 1.0 - tail))
+    return deviation * lo.reshape(edf.shape), deviation * hi.reshape(edf.shape)
 
 
 def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64], power: Array) -> Array:
-    """Return the degrees of freedom of one channel, shape (k,), of whole powers."""
+    """Return the degrees of freedom of whole powers, shape (k,) or (k, channels)."""
     known, found = _degrees(kind, factors.tobytes(), terms.tobytes())
-    at = (power - FIRST).astype(np.int64), np.arange(len(factors))
+    places = np.arange(len(factors))
+    at = (power - FIRST).astype(np.int64), places if power.ndim == 1 else places[:, None]
     if not known[at].all():
-        for k in np.flatnonzero(~known[at]).tolist():
-            row = int(at[0][k])
-            found[row, k] = degrees_of_freedom(kind, int(factors[k]), int(terms[k]), row + FIRST)
-            known[row, k] = True
+        rows, columns = np.broadcast_arrays(*at)
+        for row, k in {*zip(rows.ravel().tolist(), columns.ravel().tolist(), strict=True)}:
+            if not known[row, k]:
+                found[row, k] = degrees_of_freedom(kind, int(factors[k]), int(terms[k]), row + FIRST)
+                known[row, k] = True
     return np.asarray(found[at])
 
 
@@ -235,22 +237,25 @@ def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> A
 
 
 def believed_powers(found: Array, kind: Kind) -> Array:
-    """Return whole exponents that a deviation converges for, and none bluer than those at shorter averaging times."""
+    """Return whole exponents that a deviation converges for, and none bluer than those at shorter averaging times.
+
+    Of shape (k,) or (k, channels), as they are given.
+    """
     power = np.clip(np.rint(found), kind.reddest, BLUEST)
     bluest = np.fmin.accumulate(np.fmax(power, WHITE))
     return np.asarray(np.where(np.isnan(power), np.nan, np.fmin(power, bluest)))
 
 
 def carried_on(power: Array, kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return the exponent everywhere, and the degrees of freedom with it, both of shape (k,).
+    """Return the exponent everywhere, and the degrees of freedom with it, both of shape (k,) or (k, channels).
 
-    A power that is NaN is that of the last one known; white where none is.
+    A power that is NaN is that of the last one known; white where none is. Of channels, the same ones are known.
     """
-    known = power[np.isfinite(power)]
+    known = power[np.isfinite(power).all(axis=1)] if power.ndim > 1 else power[np.isfinite(power)]
     last, before = (known[-1], known[-2:][0]) if len(known) else (WHITE, WHITE)
     one, other = (np.where(np.isnan(power), value, power) for value in (last, before))
     edf = all_degrees(kind, factors, terms, one)
-    if last == before:
+    if np.all(last == before):
         return one, edf
     fewer = all_degrees(kind, factors, terms, other)
     lower = fewer < edf

@@ -48,14 +48,14 @@ def identified(phase: Phase, factors: Whole, most: int) -> Array:
     """
     if not phase.complete:
         return np.array([_identified_with_gaps(phase, m, most) for m in factors.tolist()])
-    where, lost, known = _looked_at(len(phase.values), factors.tobytes(), most)
+    where, lost, known = looked_at(len(phase.values), factors.tobytes(), most)
     found = np.empty(len(factors))
     loops_for(len(phase.values)).fill_exponents(phase.values, factors, where, lost, SMALL_ENOUGH, known, found)
     return found
 
 
 @lru_cache(maxsize=8)
-def _looked_at(points: int, factors: bytes, most: int) -> tuple[Whole, Array, Array]:
+def looked_at(points: int, factors: bytes, most: int) -> tuple[Whole, Array, Array]:
     """Return which averages of a complete record are looked at, and what loops compare them with; not to be changed."""
     sizes = np.frombuffer(factors, np.int64).tolist()
     where, known = np.zeros((len(sizes), 3), np.int64), np.full((len(sizes), most + 1, 2 * most + 3), np.nan)

@@ -143,6 +143,17 @@ class Agreement:
     compared: int  # time and axis pairs compared
     false_alarm: float  # largest probability, an axis, of a disagreement between consistent figures
 
+    def apart(self) -> list[Agreement]:
+        """Return that of each axis by itself."""
+        many = np.count_nonzero(np.isfinite(self.chance), axis=0).tolist()
+        return [
+            Agreement(
+                self.tau, self.ratio[:, i : i + 1], self.chance[:, i : i + 1], self.agree[i : i + 1], compared,
+                self.false_alarm,
+            )  # fmt: skip
+            for i, compared in enumerate(many)
+        ]
+
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """One remark an axis that disagrees, or one if nothing could be compared."""

@@ -36,6 +36,10 @@ class Spectrum:
     p: float = 0.6827  # probability of the intervals ``lo`` to ``hi``
     remarks: tuple[Remark, ...] = ()  # what was left out, and axes that do not vary
 
+    def apart(self) -> list[Spectrum]:
+        """Return the spectrum of each axis by itself; each with the remarks of all."""
+        return [replace(self, density=self.density[:, i : i + 1]) for i in range(self.density.shape[1])]
+
     @property
     def spacing(self) -> float:
         """From one frequency to the next [Hz]."""

@@ -137,45 +137,62 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
     """
     if not 0.0 < false_alarm < 1.0:
         raise PlanError(f"false_alarm {false_alarm:g}, need a probability between 0 and 1")
-    found: list[Line] = []
-    marked = np.zeros(spectrum.density.shape, dtype=bool)
-    tested = (np.inf, 0.0)
-    for axis in range(spectrum.density.shape[1]):
-        known = _sure_of_none(spectrum, axis, false_alarm)
-        if known is not None:
-            tested = (min(tested[0], known[0]), max(tested[1], known[1]))
-            continue
-        if not np.all(spectrum.density[:, axis] > 0.0):
-            continue
-        at, level = _standing_out(spectrum, axis, false_alarm)
-        there = spectrum.frequency[np.isfinite(level.level)]
-        if len(there):
-            tested = (min(tested[0], float(there[0])), max(tested[1], float(there[-1])))
-        runs = [one for one in _runs(at, spectrum.lobe) if _above_both_sides(spectrum, axis, at, one, false_alarm)]
-        standing = np.zeros(len(at), dtype=bool)
-        for a, b in runs:
-            standing[a:b] = at[a:b]
-        here = [_measured(spectrum, axis, level, a, b) for a, b in runs]
-        found += _named(here, spectrum.spacing)
-        marked[:, axis] = _widened(standing, spectrum.lobe)
-    low, high = tested if tested[1] > 0.0 else (np.nan, np.nan)
-    return Lines(tuple(found), marked, false_alarm, (low, high))
+    each = lines_apart(spectrum, false_alarm)
+    if len(each) == 1:
+        return each[0]
+    found = tuple(replace(line, axis=axis) for axis, one in enumerate(each) for line in one.found)
+    tested = np.array([one.tested for one in each if np.isfinite(one.tested[0])]).reshape(-1, 2)
+    low, high = (float(tested[:, 0].min()), float(tested[:, 1].max())) if len(tested) else (np.nan, np.nan)
+    return Lines(found, np.concatenate([one.marked for one in each], axis=1), false_alarm, (low, high))
 
 
-def _sure_of_none(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[float, float] | None:
-    """Return the frequencies between which no value can stand out, looked at once; None where only the search tells."""
+def lines_apart(spectrum: Spectrum, false_alarm: float = 0.01) -> list[Lines]:
+    """Return what `find_lines` finds in each axis of a spectrum by itself.
+
+    Raises
+    ------
+    PlanError
+        If the probability is not between 0 and 1.
+    """
     from ._kernels import may_stand_out  # noqa: PLC0415 - numba starts slowly
 
+    if not 0.0 < false_alarm < 1.0:
+        raise PlanError(f"false_alarm {false_alarm:g}, need a probability between 0 and 1")
+    test = _test(spectrum, false_alarm)
+    each = []
+    for axis, density in enumerate(spectrum.density.T):
+        if test is not None and not may_stand_out(np.ascontiguousarray(density), *test.given):
+            each.append(Lines((), np.zeros((len(density), 1), dtype=bool), false_alarm, test.tested))
+        else:
+            each.append(_lines_of(spectrum, axis, false_alarm))
+    return each
+
+
+def _lines_of(spectrum: Spectrum, axis: int, false_alarm: float) -> Lines:
+    """Return the lines of one axis, searched for."""
+    if not np.all(spectrum.density[:, axis] > 0.0):
+        return Lines((), np.zeros((len(spectrum.density), 1), dtype=bool), false_alarm, (np.nan, np.nan))
+    at, level = _standing_out(spectrum, axis, false_alarm)
+    there = spectrum.frequency[np.isfinite(level.level)]
+    tested = (float(there[0]), float(there[-1])) if len(there) else (np.nan, np.nan)
+    runs = [one for one in _runs(at, spectrum.lobe) if _above_both_sides(spectrum, axis, at, one, false_alarm)]
+    standing = np.zeros(len(at), dtype=bool)
+    for a, b in runs:
+        standing[a:b] = at[a:b]
+    here = [replace(_measured(spectrum, axis, level, a, b), axis=0) for a, b in runs]
+    return Lines(
+        tuple(_named(here, spectrum.spacing)), _widened(standing, spectrum.lobe)[:, None], false_alarm, tested
+    )
+
+
+def _test(spectrum: Spectrum, false_alarm: float) -> _Test | None:
+    """Return between what no value of a spectrum can stand out, looked at once; None where only the search tells."""
     if len(spectrum.frequency) > KEPT:
         return None
-    test = _test_of(
+    return _test_of(
         spectrum.frequency.tobytes(), spectrum.interval, spectrum.spacing, spectrum.lobe, float(spectrum.edf),
         spectrum.neighbours.tobytes(), false_alarm,
     )  # fmt: skip
-    if test is None:
-        return None
-    density = np.ascontiguousarray(spectrum.density[:, axis])
-    return None if may_stand_out(density, *test.given) else test.tested
 
 
 @dataclass(frozen=True, eq=False)

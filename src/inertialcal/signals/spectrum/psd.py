@@ -16,6 +16,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -90,13 +91,48 @@ def psd(
     values = _checked(x, interval, method, time_bandwidth, p)
     whole = len(values) <= near() and bool(np.isfinite(values).all())
     gaps = _whole(len(values)) if whole else stretches_of(values)
-    laid = (_laid_out_whole if whole else _laid_out)(gaps, len(values), method, segment, float(time_bandwidth))
+    return _spectrum(list(values.T), gaps, whole, interval, method, segment, time_bandwidth, p)
+
+
+def psd_alike(
+    series: Sequence[Array],
+    interval: float,
+    method: Method = "welch",
+    *,
+    segment: int | None = None,
+    time_bandwidth: float = 4.0,
+    p: float = 0.6827,
+) -> Spectrum:
+    """Return the spectral densities of many records of one length, side by side: those of `psd`, of each by itself.
+
+    Parameters
+    ----------
+    series : sequence of ndarray, shape (n,)
+        Samples in float64, all of them finite [unit].
+    interval, method, segment, time_bandwidth, p : as `psd` takes them
+
+    Raises
+    ------
+    DataError, PlanError
+        As `psd`.
+    """
+    _check_settings(interval, method, time_bandwidth, p)
+    return _spectrum(series, _whole(len(series[0])), True, interval, method, segment, time_bandwidth, p)
+
+
+def _spectrum(
+    columns: Sequence[Array], gaps: Stretches, whole: bool, interval: float, method: Method, segment: int | None,
+    time_bandwidth: float, p: float,
+) -> Spectrum:  # fmt: skip
+    """Return the spectrum of axes, each of shape (n,)."""
+    n = len(columns[0])
+    laid = (_laid_out_whole if whole else _laid_out)(gaps, n, method, segment, float(time_bandwidth))
     length, first, stop = laid.tapers.weights.shape[1], laid.first, laid.stop
-    density = _averaged(values, laid.starts, laid.tapers, interval)
+    density = _averaged(columns, laid.starts, laid.tapers, interval)
     return Spectrum(
-        np.arange(first, stop) / (length * interval), density[first:stop], laid.edf, laid.neighbours, laid.tapers.lobe,
-        laid.enbw / (length * interval), interval, length, laid.segments, laid.used, gaps.missing, method, p,
-        _remarks(values, gaps, laid.used, length),
+        np.arange(first, stop) / (length * interval), density[:, first:stop].T, laid.edf, laid.neighbours,
+        laid.tapers.lobe, laid.enbw / (length * interval), interval, length, laid.segments, laid.used, gaps.missing,
+        method, p, _remarks(columns, gaps, laid.used, length),
     )  # fmt: skip
 
 
@@ -134,7 +170,7 @@ def _whole(n: int) -> Stretches:
     return Stretches(np.array([0]), np.array([n]), 0)
 
 
-def _checked(x: Numbers, interval: float, method: str, time_bandwidth: float, p: float) -> Array:
+def _check_settings(interval: float, method: str, time_bandwidth: float, p: float) -> None:
     if method not in {"welch", "multitaper"}:
         raise PlanError(f"method {method!r}", do="There are 'welch' and 'multitaper'")
     if not 2.0 <= time_bandwidth <= 32.0:
@@ -143,6 +179,10 @@ def _checked(x: Numbers, interval: float, method: str, time_bandwidth: float, p:
         raise PlanError(f"probability {p}", do="Need more than 0 and less than 1, such as 0.95")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
+
+
+def _checked(x: Numbers, interval: float, method: str, time_bandwidth: float, p: float) -> Array:
+    _check_settings(interval, method, time_bandwidth, p)
     values = np.asarray(x, dtype=np.float64)
     values = values[:, None] if values.ndim == 1 else values
     if values.ndim != 2 or not values.shape[1]:
@@ -182,8 +222,8 @@ def _fitting(n: int, gaps: Stretches, wanted: int, shortest: int) -> int:
     return max(shortest, int(fft.prev_fast_len(length, real=True)))
 
 
-def _averaged(values: Array, every: Indices, tapers: Tapers, interval: float) -> Array:
-    """Mean of the one-sided densities of all segments under all tapers, shape (n // 2 + 1, axes).
+def _averaged(columns: Sequence[Array], every: Indices, tapers: Tapers, interval: float) -> Array:
+    """Mean of the one-sided densities of all segments under all tapers, shape (axes, n // 2 + 1).
 
     Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
     """
@@ -196,8 +236,18 @@ def _averaged(values: Array, every: Indices, tapers: Tapers, interval: float) ->
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
     if count * len(every) * length <= FEW:
         at_once, shares = len(every), [every]
-    total, rooms = np.empty((length // 2 + 1, values.shape[1])), list[Room]()
-    for axis, x in enumerate(values.T):
+    total, rooms = np.zeros((len(columns), length // 2 + 1)), list[Room]()
+    if len(shares) == 1 and not in_steps:
+        part = np.empty((len(every), length))
+        turned = np.empty((len(every), length // 2 + 1), dtype=np.complex128)
+        for x, found in zip(columns, total, strict=True):
+            for weights in tapers.weights:
+                fill_tapered(x, every, weights, part)
+                add_power(np.fft.rfft(part, axis=1, out=turned).view(np.float64), found)
+            release(x)
+        total *= 2.0 * interval / (count * len(every))
+        return total
+    for axis, x in enumerate(columns):
 
         def power(share: Indices, x: Array = x) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
@@ -210,28 +260,28 @@ def _averaged(values: Array, every: Indices, tapers: Tapers, interval: float) ->
                 for weights in tapers.weights:
                     fill_tapered(x, some, weights, part)
                     add_power(np.fft.rfft(part, axis=1).view(np.float64), found)
-                release(values[some[0] : some[-1] + length])
+                release(x[some[0] : some[-1] + length])
             return found
 
-        found, *others = [power(every)] if len(shares) == 1 else each_of(power, shares, count * len(every) * length)
+        found, *others = each_of(power, shares, count * len(every) * length)
         for other in others:
             found += other
-        total[:, axis] = folded(found) if in_steps else found
+        total[axis] = folded(found) if in_steps else found
     total *= 2.0 * interval / (count * len(every))
     return total
 
 
-def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:
-    found = []
-    left = len(values) - gaps.missing - used
+def _remarks(columns: Sequence[Array], gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:
+    found, n = [], len(columns[0])
+    left = n - gaps.missing - used
     if gaps.missing:
-        what = f"{gaps.missing} of {len(values)} samples are missing: segments lie between the gaps"
+        what = f"{gaps.missing} of {n} samples are missing: segments lie between the gaps"
         found.append(Remark("gaps", "info", what, count=max(1, len(gaps.start) - 1)))
     if gaps.missing and left > used:
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
-    for axis in range(values.shape[1]):
-        if _is_constant(values[:, axis]):
+    for axis, x in enumerate(columns):
+        if _is_constant(x):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
