@@ -393,7 +393,7 @@ MUTANTS = (
     ),
     Mutant("load.py", "worst = max(known, key", "worst = min(known, key", "test_recorded_clocks"),
     Mutant("drift.py", "rest, curve[-1] - curve[0]", "rest, curve[0] - curve[-1]", "test_drift"),
-    Mutant("drift.py", "2.0 * float(special.stdtr(", "1.0 * float(special.stdtr(", "test_drift"),
+    Mutant("drift.py", "2.0 * special.stdtr(", "1.0 * special.stdtr(", "test_drift"),
     Mutant(
         "correlation.py",
         "length = fft.next_fast_len(n + lags, real=True)",

@@ -10,7 +10,8 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.signals.record_quality import RecordQuality, record_quality
+from inertialcal.signals.codes import coarse_steps, surely_fine
+from inertialcal.signals.record_quality import RecordQuality, qualities_alike, record_quality
 from inertialcal.signals.screening.screen import screen
 
 N, INTERVAL = 8_000, 0.01
@@ -98,3 +99,21 @@ def test_real_rest(shared: Path) -> None:
 def mpu6050(shared: Path, name: str) -> Array:
     with h5py.File(shared / "data/sunsided_mpu6050_static" / name / "mpu6050_gyroscope.mat") as file:
         return np.asarray(file["gyroBuffer"]).T[:, 1:]
+
+
+def test_records_alike_are_judged_as_each_by_itself() -> None:
+    rng, t = np.random.default_rng(8), np.arange(N)
+    series = [
+        *(0.3 * rng.normal(size=N) + slope * t / N for slope in (0.0, 0.1, 3.0)),
+        rng.normal(size=N) + 40.0 * (t // 50 == 7),
+        np.where(t == 5, np.nan, rng.normal(size=N)),
+        np.full(N, 2.0),
+        np.rint(0.4 * rng.normal(size=N)),
+    ]
+    for some in (series, series[:4], series[5:], [x[:40] for x in series]):
+        for x, found in zip(some, qualities_alike(some, INTERVAL), strict=True):
+            own = record_quality(x, INTERVAL)
+            assert (found.disturbances, found.at_rest, found.drifts) == (own.disturbances, own.at_rest, own.drifts)
+            assert found.values is x
+    assert [surely_fine(x) for x in series] == [True] * 4 + [False] * 3
+    assert all(coarse_steps(x, "x") == () for x in series if surely_fine(x))

@@ -92,6 +92,18 @@ def fill_sums_of_blocks(x: Array, size: int, sums: Array) -> bool:
 
 
 @compiled
+def fine_steps(x: Array, few: int, fine: float) -> bool:
+    """Return whether the first samples show that the mean square of all is at least so many squared least steps."""
+    step, squares = np.inf, 0.0
+    for i in range(1, min(few, len(x))):
+        difference = abs(x[i] - x[i - 1])
+        squares += difference * difference
+        if difference > 0.0 and difference < step:
+            step = difference
+    return squares / len(x) / 2.0 >= step * step * fine
+
+
+@compiled
 def explained(
     means: Array, modes: Array, shape: Array, logs: Array, rise: Array, possible: float
 ) -> tuple[float, float, float]:

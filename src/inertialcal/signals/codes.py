@@ -154,6 +154,13 @@ def _refined(apart: Array, step: float) -> float | None:
     return float(apart.sum() / whole.sum()) if not off.any() else None
 
 
+def surely_fine(values: Array) -> bool:
+    """Return whether `coarse_steps` says nothing of samples, shape (n,), by one look at the first of them."""
+    from ._kernels import fine_steps  # noqa: PLC0415 - numba starts slowly
+
+    return bool(fine_steps(values, ENOUGH, FINE))
+
+
 def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     """Return the remark on steps that are coarse against the scatter, with what they do to the size of white noise.
 

@@ -16,6 +16,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 
@@ -92,26 +93,48 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     size = len(x) // BLOCKS
     if size < 1:
         return ()
-    from ._kernels import explained, fill_sums_of_blocks  # noqa: PLC0415 - numba starts slowly
+    from ._kernels import fill_sums_of_blocks  # noqa: PLC0415 - numba starts slowly
 
     means = np.empty(BLOCKS)
     if BLOCKS * size <= SIZE and x.dtype == np.float64 and fill_sums_of_blocks(x, size, means):
-        means /= size
-        blocks, models = _whole_blocks()
-    else:
-        means, kept = _block_means(x, size)
-        if len(means) - SMOOTH - 1 < LEAST:
-            return ()
-        blocks, models = _blocks(kept.tobytes()), _slow_noise(kept.tobytes())
-    level = blocks.rest.T @ means
-    if not (level @ level) > (ROUNDING * len(means)) ** 2 * (means @ means):
+        return _drifts(means[None] / size, *_whole_blocks(), axis)[0]
+    means, kept = _block_means(x, size)
+    if len(means) - SMOOTH - 1 < LEAST:
         return ()
-    rise = float(blocks.weights @ means)
-    found = [explained(means, one.modes, one.shape, one.logs, one.rise, POSSIBLE) for one in models]
-    most = max(one[2] for one in found)
-    chance = 2.0 * float(special.stdtr(len(blocks.rest.T), -abs(rise) / most))
-    early = float(blocks.early @ means) / rise if rise else 0.0
-    return (Drift(axis, rise, min(found)[1], chance, early),)
+    return _drifts(means[None], _blocks(kept.tobytes()), _slow_noise(kept.tobytes()), axis)[0]
+
+
+def drifts_of(series: Sequence[Array], interval: float) -> list[tuple[Drift, ...]]:
+    """Return the curve through each of many records of one length, shape (n,), as `drift_of` finds it."""
+    from ._kernels import fill_sums_of_blocks  # noqa: PLC0415 - numba starts slowly
+
+    size = len(series[0]) // BLOCKS
+    if not 0 < BLOCKS * size <= SIZE:
+        return [drift_of(x, 0, interval) for x in series]
+    sums = np.empty((len(series), BLOCKS))
+    whole = [x.dtype == np.float64 and fill_sums_of_blocks(x, size, own) for x, own in zip(series, sums, strict=True)]
+    if not all(whole):
+        return [drift_of(x, 0, interval) for x in series]
+    return _drifts(sums / size, *_whole_blocks(), 0)
+
+
+def _drifts(means: Array, blocks: _Blocks, models: tuple[_Slow, ...], axis: int) -> list[tuple[Drift, ...]]:
+    """Return the curve through the block means of each record, shape (records, blocks)."""
+    from ._kernels import explained  # noqa: PLC0415 - numba starts slowly
+
+    left = ((means @ blocks.rest) ** 2).sum(axis=1)
+    scatters = left > (ROUNDING * means.shape[1]) ** 2 * (means * means).sum(axis=1)
+    rise, early = ((means * one).sum(axis=1) for one in (blocks.weights, blocks.early))
+    found = [
+        [explained(own, one.modes, one.shape, one.logs, one.rise, POSSIBLE) for one in models] if clear else []
+        for own, clear in zip(means, scatters.tolist(), strict=True)
+    ]
+    most = np.array([max(one[2] for one in own) if own else np.nan for own in found])
+    chance = 2.0 * special.stdtr(len(blocks.rest.T), -np.abs(rise) / most)
+    return [
+        (Drift(axis, whole, min(own)[1], likely, third / whole if whole else 0.0),) if own else ()
+        for own, whole, likely, third in zip(found, rise.tolist(), chance.tolist(), early.tolist(), strict=True)
+    ]
 
 
 def _block_means(x: Array, size: int) -> tuple[Array, Flags]:

@@ -9,6 +9,7 @@ like noise that is not white: nobody can tell it from a filtered output without 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from ..core.batches import changed
 from ..core.errors import DataError
 from ..core.estimate import Array
-from .drift import Drift, drift_of
+from .drift import Drift, drift_of, drifts_of
 from .segmentation.stillness import Disturbance, judge_in_pieces, surely_still
 from .threads import LARGE
 
@@ -63,6 +64,16 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
     placed = () if rest is None else rest.disturbances
     cleaned = _cleaned(values, placed) if placed else values
     return RecordQuality(placed, rest is None or rest.at_rest, drift_of(cleaned, 0, interval), values)
+
+
+def qualities_alike(series: Sequence[Array], interval: float) -> list[RecordQuality]:
+    """Return what `record_quality` finds in each of many channels at rest of one length, shape (n,), in float64."""
+    still = [len(x) < LARGE and surely_still(x) for x in series]
+    drifts = iter(drifts_of([x for x, none in zip(series, still, strict=True) if none], interval) if any(still) else ())
+    return [
+        RecordQuality((), True, next(drifts), x) if none else record_quality(x, interval)
+        for x, none in zip(series, still, strict=True)
+    ]
 
 
 def _cleaned(values: Array, disturbances: tuple[Disturbance, ...]) -> Array:

@@ -1,8 +1,4 @@
-"""Noise of one axis: its Allan deviations, spectra, disturbances and terms, from all records together.
-
-Disturbances are found by ``signals.record_quality``. A disturbed sample counts as missing; a remark gives how many.
-Drift stays in: how much of a warm-up to leave out is the user's choice.
-"""
+"""Noise of one axis: its terms, from all records together."""
 
 from __future__ import annotations
 
@@ -15,39 +11,26 @@ from threading import Event
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.batches import count, every, finite, is_stored, known_finite
-from ...core.errors import DataError, Problem
-from ...core.estimate import Array
+from ...core.batches import every, is_stored, known_finite
+from ...core.errors import DataError, InertialcalError, Problem
 from ...core.key import Kind, Reason
 from ...core.remarks import Remark
 from ...core.show.rounding import freedom, number
-from ...core.units import factor
-from ...sensors.noise.fitting.estimator import fit
-from ...sensors.noise.fitting.filtered import Band
+from ...sensors.noise.fitting.estimator import Fit, fit_many
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
 from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name, sample_unit
 from ...sensors.noise.to_filters import sensor_noise
-from ...signals.allan import Allan, allan
-from ...signals.codes import coarse_steps
-from ...signals.names import Deviation
-from ...signals.record_quality import record_quality
+from ...signals.allan import Allan
 from ...signals.screening.resolution import Resolution, resolution_of
-from ...signals.segmentation.stillness import Disturbance
-from ...signals.spectrum.allan_check import Agreement, compare_allan
-from ...signals.spectrum.density import Spectrum
-from ...signals.spectrum.lines import Line, Lines, find_lines
-from ...signals.spectrum.psd import psd
-from ...signals.threads import pays, side_by_side
+from ...signals.spectrum.lines import Line, Lines
+from ...signals.threads import pays
 from .band import Bands, bands_of, inside_band
 from .plan import Plan
 from .readings import Readings, Run
+from .record import Fitted, Recorded, Spectral, analysed, fitted, looked_through, recorded_alike, unit_of
 
-FITTED: Deviation = "overlapping"  # that the terms are fitted to
-INTERVAL = 0.95  # of the deviations
-UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole
 KEPT = {
     "glitch": "glitches", "disturbed": "disturbances", "saturated": "saturated samples", "stuck": "stuck samples",
@@ -62,43 +45,11 @@ SLOW = {
     "slow_wave": "a slow wave feigns slow terms",
 }  # what changes terms of long averaging times
 FAST = ("quantization", "random_walk")  # terms that it does not
-LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
-FEWEST = 200  # samples from which disturbances are looked for
-LISTED = 3  # stretches that are named
-LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enough, and long records cost little
-PARTS = 8  # of a record, in the length of a segment
 MOST_LINES = 6  # taken into a fit
-TOLD = ("constant", "gaps")  # by the Allan deviation already
 LISTED_LINES = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 SHORT = "too_short"  # code of a record whose deviations are shown without terms
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
-
-
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    """One record of one axis."""
-
-    run: Run  # The record
-    looked: Looked  # Its disturbances
-    curve: Allan  # Overlapping Allan deviation at octaves, that the terms are fitted to [SI]
-    shown: Allan  # The deviation to show [SI]
-    spectral: Spectral  # Its spectrum
-    own: NoiseFit | None = None  # Its own terms, where there are several records
-    ahead: Fitted | None = None  # Its terms as they were fitted before it was looked through, if it was
-    band: Band | None = None  # What a filter leaves of its noise
-    unseen: Band | None = None  # What one might leave that the spectrum does not show, nor excludes
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """Terms of records of one axis, or why there are none."""
-
-    records: tuple[Recorded, ...]  # Each with its band
-    bands: Bands  # What a filter of the sensor leaves of their noise
-    lines: tuple[float, ...]  # Frequencies of the lines in the fit [Hz]
-    fit: NoiseFit | None = None  # The terms
-    problem: Problem | None = None  # Why there are none
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,20 +148,29 @@ class AxisNoise:
         return (*white, *wander), tuple(said)
 
 
-def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
-    """Return the noise of one axis."""
-    records, problems, remarks = _each(plan, readings, axis)
-    if not records:
+def noises_of(asked: Sequence[tuple[Plan, Readings, str]]) -> list[AxisNoise]:
+    """Return the noise of many axes, of many units: what is alike is analysed and fitted side by side."""
+    each = _each(asked)
+    waves = [tuple(_waves(records, axis)) for (_, _, axis), (records, _, _) in zip(asked, each, strict=True)]
+    found: dict[int, Fitted] = {}
+    for i, (_, readings, _) in enumerate(asked):
+        ahead = each[i][0][0].ahead if each[i][0] and len(readings.records) == 1 and not waves[i] else None
+        if ahead is not None:  # not yet looked through then
+            own = each[i][0][0]
+            found[i] = replace(ahead, records=(replace(ahead.records[0], looked=own.looked, run=own.run),))
+    missing = [i for i in range(len(asked)) if i not in found and each[i][0]]
+    fits = fit_records([(asked[i][0], each[i][0], asked[i][2], waves[i]) for i in missing])
+    found |= dict(zip(missing, fits, strict=True))
+    return [_noise(*one, *own[1:], found.get(i)) for i, (one, own) in enumerate(zip(asked, each, strict=True))]
+
+
+def _noise(
+    plan: Plan, readings: Readings, axis: str, problems: Sequence[Problem], remarks: list[Remark], found: Fitted | None
+) -> AxisNoise:
+    """Return the noise of one axis, by the terms of its records; by none where there are none."""
+    if found is None:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
-    waves = tuple(_waves(records, axis))
-    ahead = records[0].ahead if len(readings.records) == 1 and not waves else None
-    found = fit_records(plan, records, axis, waves) if ahead is None else ahead
-    if ahead is not None:  # not yet looked through then
-        records = [
-            replace(one, looked=own.looked, run=own.run) for one, own in zip(ahead.records, records, strict=True)
-        ]
-    else:
-        records = [*found.records]
+    records = [*found.records]
     remarks += found.bands.remarks
     several = len(readings.records) > 1
     own_lines = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
@@ -226,24 +186,33 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     return AxisNoise(axis, tuple(records), found.fit, None, found.lines, tuple(remarks), found.bands)
 
 
-def fit_records(plan: Plan, records: Sequence[Recorded], axis: str, waves: tuple[float, ...] = ()) -> Fitted:
-    """Return the terms of records of one axis, whose slowest waves are given [Hz]."""
+def fit_records(asked: Sequence[tuple[Plan, Sequence[Recorded], str, tuple[float, ...]]]) -> list[Fitted]:
+    """Return the terms of records of each of many axes, whose slowest waves are given [Hz]."""
+    found = [_banded(*one) for one in asked]
+    plans = [plan for plan, *_ in asked]
+    fits = _fits_of([(plan, one.records, one.lines) for plan, one in zip(plans, found, strict=True)])
+    # The lines may leave the chosen terms without noise
+    again = [
+        i
+        for i, (plan, one, fit) in enumerate(zip(plans, found, fits, strict=True))
+        if isinstance(fit, DataError) and fit.problems[0].code == "no_noise" and one.lines and plan.terms is None
+    ]
+    for i, fit in zip(again, _fits_of([(plans[i], found[i].records, ()) for i in again]), strict=True):
+        found[i], fits[i] = replace(found[i], lines=()), fit
+    return [
+        replace(one, problem=fit.problems[0]) if isinstance(fit, InertialcalError) else replace(one, fit=fit)
+        for one, fit in zip(found, fits, strict=True)
+    ]
+
+
+def _banded(plan: Plan, records: Sequence[Recorded], axis: str, waves: tuple[float, ...]) -> Fitted:
+    """Return the records of one axis with their bands, and the lines to be fitted."""
     bands = bands_of(plan, records, axis)
     inside = tuple(
         inside_band(replace(one, band=band, unseen=unseen))
         for one, band, unseen in zip(records, bands.each, bands.unseen, strict=True)
     )
-    lines = tuple(sorted((*lines_to_fit([one.spectral for one in inside]), *waves)))
-    try:
-        try:
-            return Fitted(inside, bands, lines, _fitted(plan, inside, lines))
-        except DataError as error:  # the lines may leave the chosen terms without noise
-            if error.problems[0].code != "no_noise" or not lines or plan.terms is not None:
-                raise
-            lines = ()
-            return Fitted(inside, bands, lines, _fitted(plan, inside, lines))
-    except DataError as error:
-        return Fitted(inside, bands, lines, None, error.problems[0])
+    return Fitted(inside, bands, tuple(sorted((*lines_to_fit([one.spectral for one in inside]), *waves))))
 
 
 def _waves(records: Sequence[Recorded], axis: str) -> Iterator[float]:
@@ -256,16 +225,27 @@ def _waves(records: Sequence[Recorded], axis: str) -> Iterator[float]:
     yield from sorted(waves)[:1]
 
 
-def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], list[Problem], list[Remark]]:
-    """Return the records of an axis that can be fitted, or else all; why others cannot; what is suspicious."""
+def _each(
+    asked: Sequence[tuple[Plan, Readings, str]],
+) -> list[tuple[list[Recorded], list[Problem], list[Remark]]]:
+    """Return the records of each axis that can be fitted, or else all; why others cannot; what is suspicious."""
+    every = [(plan, run, axis) for plan, readings, axis in asked for run in readings.records]
+    known = iter(recorded_alike(every))
+    return [_usable(plan, readings, axis, known) for plan, readings, axis in asked]
+
+
+def _usable(
+    plan: Plan, readings: Readings, axis: str, known: Iterator[Recorded | None]
+) -> tuple[list[Recorded], list[Problem], list[Remark]]:
+    """Return the same of one axis, some of whose records are known."""
     usable: list[Recorded] = []
     others: list[Recorded] = []
     problems: list[Problem] = []
     remarks: list[Remark] = []
     several = len(readings.records) > 1
-    for run in readings.records:
+    for run, alike in zip(readings.records, known, strict=False):
         try:
-            found = _recorded(plan, run, axis)
+            found = _recorded(plan, run, axis) if alike is None else alike
             others.append(found)
             run_of(found.curve, 0, sample_unit(plan.kind, plan.unit))
         except DataError as error:
@@ -289,16 +269,16 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     rates = run.rates(axis)
     if not pays(len(rates)) or is_stored(rates) or run.present.get(axis) is not None:
         looked = looked_through(plan, run, rates, axis)
-        return _analysed(plan, run, axis, looked, looked.rates)
+        return analysed(plan, run, axis, looked, looked.rates)
     with ThreadPoolExecutor(1) as pool:
         early = _early.get(run)
         found = None if early is None else early.found(plan, axis)
         if found is None:
-            found = pool.submit(_analysed, plan, run, axis, None, rates)
+            found = pool.submit(analysed, plan, run, axis, None, rates)
         looked = looked_through(plan, run, rates, axis)
         known = None if looked.cleaned else found.result()
     if known is None:
-        return _analysed(plan, run, axis, looked, looked.rates)
+        return analysed(plan, run, axis, looked, looked.rates)
     return replace(known, looked=looked, run=run)
 
 
@@ -379,48 +359,40 @@ def _ahead(plan: Plan, run: Run, axis: str, resolution: Future[Resolution | None
     curves, run = run.curves, replace(run, resolution={axis: known})
     run.curves.update(curves)
     try:
-        found = _analysed(plan, run, axis, None, rates)
+        found = analysed(plan, run, axis, None, rates)
         run_of(found.curve, 0, sample_unit(plan.kind, plan.unit))
     except DataError:
         return None
-    return None if ended.is_set() else replace(found, ahead=fit_records(plan, [found], axis))
+    return None if ended.is_set() else replace(found, ahead=fit_records([(plan, [found], axis, ())])[0])
 
 
-def _analysed(plan: Plan, run: Run, axis: str, looked: Looked | None, rates: Array) -> Recorded:
-    """Return the deviations and the spectrum of a record; of all its samples, where it is not yet looked through."""
-    looked = Looked(rates, (), 0, (), False) if looked is None else looked
-    there = None if looked.whole else finite(rates)
-    curve = fitted(plan, run, axis, there, looked.cleaned)
-    alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
-    chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
-    found = spectral(plan, _spectrum(plan, rates, run.interval), curve, axis, resolution_of_rates(run, axis))
-    found = replace(found, remarks=(*remarks, *found.remarks)) if remarks else found
-    return Recorded(run, looked, curve, chosen, found)
+def _fits_of(
+    asked: Sequence[tuple[Plan, Sequence[Recorded], tuple[float, ...]]],
+) -> list[NoiseFit | InertialcalError]:
+    """Return the terms of the records of each of many axes, with lines of known frequency [Hz], or why there are none.
 
-
-def _spectrum(plan: Plan, rates: Array, interval: float) -> Spectrum | DataError:
-    """Return the spectrum of a record, or why there is none."""
-    segment = LONGEST if plan.spectrum == "welch" and len(rates) // PARTS > LONGEST else None
-    try:
-        wanted = segment if plan.segment is None else round(plan.segment / interval)
-        return psd(rates, interval, plan.spectrum, segment=wanted)
-    except DataError as error:
-        return error
-
-
-def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
-    terms = "auto" if plan.terms is None else tuple(plan.terms)
-    curves = [one.curve for one in records]
-    bands = [one.band or one.unseen for one in records]
-    return fit(curves, plan.kind, terms=terms, lines=lines, bands=bands, axis=0, unit=plan.unit)
+    Raises
+    ------
+    InertialcalError
+        What is wrong with a plan.
+    """
+    fits = fit_many([
+        Fit(
+            [one.curve for one in records], plan.kind, "auto" if plan.terms is None else tuple(plan.terms), lines,
+            [one.band or one.unseen for one in records], 0, plan.unit,
+        )
+        for plan, records, lines in asked
+    ])  # fmt: skip
+    for one in fits:
+        if isinstance(one, InertialcalError) and not isinstance(one, DataError):
+            raise one
+    return fits
 
 
 def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...]) -> Recorded:
     """Return the record with the terms of it alone."""
-    try:
-        return replace(one, own=_fitted(plan, [one], lines))
-    except DataError:
-        return one
+    (found,) = _fits_of([(plan, [one], lines)])
+    return one if isinstance(found, InertialcalError) else replace(one, own=found)
 
 
 def _no_terms(axis: str, problem: Problem) -> tuple[Remark, ...]:
@@ -444,60 +416,6 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None, cleaned: bool = False) -> Allan:
-    """Return the deviation at octaves that terms are fitted to [SI], of the samples that are ``there``; None for all.
-
-    That of all samples that the record has, not ``cleaned``, is kept with it.
-    """
-    key = axis, unit_of(plan)
-    if cleaned or key not in run.curves:
-        found = _allan(plan, run, axis, there, FITTED, "octave")
-        if cleaned:
-            return found
-        run.curves[key] = found
-    return run.curves[key]
-
-
-def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None) -> tuple[Allan, tuple[Remark, ...]]:
-    """Return the deviation to show; at octaves where none of the wanted averaging times fits."""
-    try:
-        return _allan(plan, run, axis, there, plan.deviation, plan.tau or plan.taus), ()
-    except DataError as error:
-        if not plan.tau:
-            raise
-        what = f"{axis}: {error.problems[0].what}: octaves are shown"
-    found = _allan(plan, run, axis, there, plan.deviation, "octave")
-    return found, (Remark("taus_not_shown", "warning", what, do="Ask for shorter ones, or record longer"),)
-
-
-def _allan(
-    plan: Plan,
-    run: Run,
-    axis: str,
-    there: NDArray[np.bool_] | None,
-    deviation: Deviation,
-    taus: str | Sequence[float],
-) -> Allan:
-    """Return a deviation; whole numbers, of a sensor in the unit of its file, are summed exactly."""
-    return allan(
-        run.values[axis],
-        run.interval,
-        quantity=run.quantity,
-        deviation=deviation,
-        taus=taus,
-        averaging=run.averaging,
-        present=None if there is None or every(there, np.all) else there,
-        p=INTERVAL,
-        names=(axis,),
-        unit=unit_of(plan),
-    )
-
-
-def unit_of(plan: Plan) -> str:
-    """Return the unit of the deviations."""
-    return UNITS[plan.kind] if plan.kind else plan.unit
-
-
 def doubt_of(found: NoiseFit | None) -> str:
     """Return what a fit's own tests speak against it; empty where they do not."""
     return " and ".join(DOUBTS[code] for code in (found.fit_warnings if found is not None else ()))
@@ -519,122 +437,6 @@ def slow_fault_of(run: Run, axis: str) -> Reason:
     """Return why terms of long averaging times cannot be told from a record: a step or a wave feigns them."""
     found = run.found.get(axis, ())
     return next((Reason(code, said) for code, said in SLOW.items() if code in found), Reason())
-
-
-@dataclass(frozen=True, eq=False)
-class Looked:
-    """One record of one axis, looked through."""
-
-    rates: Array  # shape (n,): SI; NaN where a sample is missing or left out
-    disturbed: tuple[Disturbance, ...]  # In order
-    left_out: int  # Samples left out for them
-    remarks: tuple[Remark, ...]  # What is suspicious
-    whole: bool  # Whether no rate is missing
-    cleaned: bool = False  # Whether some are left out that the record has
-
-
-def looked_through(plan: Plan, run: Run, rates: Array, axis: str) -> Looked:
-    """Return the samples of one axis as rates, shape (n,), without its disturbances."""
-    left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
-    before = len(rates) if known_finite(rates) else count(rates, np.isfinite)
-    if before < FEWEST:
-        return Looked(rates, (*_far(run, axis),), left_out, (), before == len(rates))
-    quality = record_quality(rates, run.interval)
-    cleaned = run.screened and plan.disturbed == "leave_out" and bool(quality.disturbances)
-    if cleaned:
-        rates = quality.cleaned()
-        left_out += before - count(rates, np.isfinite)
-    remarks = []
-    if not quality.at_rest:
-        what = f"{axis}: not at rest, or its level steps: these terms are those of the motion"
-        do = "Record the sensor standing still, or choose a part at rest"
-        remarks.append(Remark("not_at_rest", "warning", what, do=do))
-    disturbed = tuple(sorted((*_far(run, axis), *quality.disturbances), key=lambda one: one.first))
-    if disturbed:
-        spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in disturbed[:LISTED]]
-        spans += ["..."] if len(disturbed) > LISTED else []
-        worst = number(max(one.peak for one in disturbed), 3)
-        fate = f"excluded: {left_out} of {len(run)} samples" if left_out else "kept in"
-        what = f"{axis}: disturbed at {', '.join(spans)}, by up to {worst} times the noise; {fate}"
-        do = "" if left_out else "Exclude them, or record again undisturbed"
-        remarks.append(Remark("disturbed", "warning", what, count=len(disturbed), do=do))
-    times, unit = 1.0, plan.unit or "file units"
-    if plan.kind is not None:
-        inside, unit = LEVELS[plan.kind]
-        times = factor(inside, unit)
-    third = f"the first {duration(run.length / 3.0)}"
-    remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
-    remarks += coarse_steps(rates, axis)
-    whole = not cleaned and before == len(rates)
-    return Looked(rates, disturbed, left_out, tuple(remarks), whole, cleaned)
-
-
-def _far(run: Run, axis: str) -> Iterator[Disturbance]:
-    """Yield the disturbances that the screening found."""
-    found = run.found.get(axis, ())
-    if "disturbed" in found:
-        one = run.found[axis]["disturbed"]
-        for (first, last), size in zip(one.places.tolist(), one.size.tolist(), strict=True):
-            yield Disturbance(first, last, abs(size))
-
-
-@dataclass(frozen=True, eq=False)
-class Spectral:
-    """What the spectrum of one record of one axis tells; None where it could not be made."""
-
-    spectrum: Spectrum | None  # SI
-    lines: Lines | None  # That stand out of its noise
-    agreement: Agreement | None  # Whether the Allan deviation agrees with it
-    remarks: tuple[Remark, ...]  # What is suspicious
-
-
-def resolution_of_rates(run: Run, axis: str) -> Resolution:
-    """Return the resolution of the rates of an axis; 0 where it is not known."""
-    found = run.resolution.get(axis, Resolution(0.0, 0.0))
-    times = 1.0 if run.quantity == "rate" else 1.0 / run.interval
-    return Resolution(found.step * times, found.swing * times)
-
-
-def _meaningful(lines: Lines, spectrum: Spectrum, resolution: Resolution) -> Lines:
-    """Return the lines that the numbers of a record can carry."""
-    if not len(lines):
-        return lines
-    at = [int(np.argmin(np.abs(spectrum.frequency - line.frequency))) for line in lines.found]
-    around = [float(spectrum.density[i, 0]) / line.ratio for i, line in zip(at, lines.found, strict=True)]
-    hidden = resolution.hides([line.amplitude for line in lines.found], around, spectrum.interval)
-    marked = lines.marked.copy()
-    for line in (line for line, none in zip(lines.found, hidden.tolist(), strict=True) if none):
-        reach = 0.5 * line.width + 2.0 * spectrum.lobe * spectrum.spacing
-        marked[np.abs(spectrum.frequency - line.frequency) < reach] = False
-    return replace(lines, found=tuple(one for one, none in zip(lines.found, hidden.tolist(), strict=True) if not none),
-                   marked=marked)  # fmt: skip
-
-
-def spectral(plan: Plan, spectrum: Spectrum | DataError, curve: Allan, axis: str, resolution: Resolution) -> Spectral:
-    """Return a spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
-    if isinstance(spectrum, DataError):
-        problem = spectrum.problems[0]
-        what = f"{axis}: no spectrum: {problem.what}"
-        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=problem.do, axis=axis),))
-    remarks = [
-        Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do, axis)
-        for one in spectrum.remarks
-        if one.code not in TOLD
-    ]
-    every, agreement = side_by_side(
-        lambda: find_lines(spectrum) if plan.lines else None, lambda: compare_allan(spectrum, curve), spectrum.used
-    )
-    lines = None if every is None else _meaningful(every, spectrum, resolution)
-    if every is not None and lines is not None and len(lines) < len(every):
-        count = len(every) - len(lines)
-        what = f"{axis}: {count} line{'s' * (count > 1)} of the spectrum below the resolution of the record: not listed"
-        remarks.append(Remark("lines_below_resolution", "info", what, axis=axis))
-    remarks += [
-        Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do, axis=axis)
-        for one in agreement.remarks
-        if one.code != "allan_not_compared"
-    ]
-    return Spectral(spectrum, lines, agreement, tuple(remarks))
 
 
 def lines_remark(lines: Lines | None, axis: str) -> Iterator[Remark]:

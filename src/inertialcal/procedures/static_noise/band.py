@@ -18,7 +18,7 @@ from ...sensors.noise.fitting.filtered import Band, Search, search
 from .plan import Plan
 
 if TYPE_CHECKING:
-    from .axis_noise import Recorded
+    from .record import Recorded
 
 ALIKE = 1.5  # ratio of a stated cut-off to the corner from which they disagree
 STEEPER = 100.0  # ratio of the falls about both, from which the stated one is the filter's, the other that of the noise

@@ -29,8 +29,9 @@ from ...sensors.noise.expected import Deviation, expected_variance, sampled_spec
 from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit, total_phase
 from ...signals.spectrum.density import Spectrum
-from .axis_noise import INTERVAL, AxisNoise, Recorded
+from .axis_noise import AxisNoise
 from .planning.record_length import reaches
+from .record import INTERVAL, Recorded
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -26,6 +26,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, OF_CLOCK, Filters, Plan, PlannedRecord, Samples
 
 if TYPE_CHECKING:
+    from ...core.errors import InertialcalError
     from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Interval, Row, WrittenRow
@@ -167,6 +168,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def reduce_many(self, tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+        """Return the noise terms of each of many units: records alike are worked on side by side."""
+        from .reduction import reduce_many
+
+        return reduce_many(tests)
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return the noise of each axis."""

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from ...core.curve import Curve
-from ...core.errors import DataError
+from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Component, Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Interval, Row
@@ -30,11 +30,12 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
-from .axis_noise import FAST, AxisNoise, Recorded, check, end_early, noise_of, problems_of
+from .axis_noise import FAST, AxisNoise, check, end_early, noises_of, problems_of
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
 from .planning.record_length import Reach, reaches, sentence
 from .readings import AtRest, Readings, Run, Truth, simulate
+from .record import Recorded
 from .recordings import readings_from
 from .rows import SCALE, interval_at, quantity_units, rows, with_standards
 
@@ -128,13 +129,40 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         If there are no records (``no_records``), or no axis has terms: then with the reason of each (``constant``,
         ``all_missing``). A record too short for terms gives its deviations alone.
     """
-    if not len(readings) or not readings.axes:
-        raise DataError("no record of a sensor at rest", code="no_records")
+    found = reduce_many([(plan, readings)])[0]
+    if isinstance(found, InertialcalError):
+        raise found
+    return found
+
+
+def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+    """Return the result of each unit as `reduce` gives it, or its refusal; records alike are worked on side by side."""
+    asked = [(plan, readings, axis) for plan, readings in tests for axis in readings.axes]
     try:
-        axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
+        found = iter(noises_of(asked))
     finally:
-        for run in readings.records:
-            end_early(run)
+        for _, readings in tests:
+            for run in readings.records:
+                end_early(run)
+    results: list[Result | InertialcalError] = []
+    for plan, readings in tests:
+        try:
+            results.append(_result(plan, readings, tuple(next(found) for _ in readings.axes)))
+        except InertialcalError as error:
+            results.append(error)
+    return results
+
+
+def _result(plan: Plan, readings: Readings, axes: tuple[AxisNoise, ...]) -> Result:
+    """Return what was found of a unit.
+
+    Raises
+    ------
+    DataError
+        As `reduce`.
+    """
+    if not axes:
+        raise DataError("no record of a sensor at rest", code="no_records")
     if all(one.fit is None and not one.curve_alone for one in axes):
         found = {one.axis: one.problem for one in axes if one.problem is not None}
         raise DataError(problems_of(found, readings))

@@ -35,7 +35,8 @@ from ...sensors.noise.terms import (
     shown_units,
 )
 from ...statistics.intervals import t_interval
-from .axis_noise import FAST, AxisNoise, Recorded, doubt_of, fault_of, slow_fault_of
+from .axis_noise import FAST, AxisNoise, doubt_of, fault_of, slow_fault_of
+from .record import Recorded
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -109,9 +109,7 @@ def analyse_channel(
     return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, missing, tuple(remarks))
 
 
-def analyse_alike(
-    series: Sequence[Array], kind: Kind, factors: NDArray[np.int64]
-) -> tuple[Channel, list[int]]:
+def analyse_alike(series: Sequence[Array], kind: Kind, factors: NDArray[np.int64]) -> tuple[Channel, list[int]]:
     """Return the deviations of complete, short channels of one length, side by side, and which of them are sound.
 
     Only of those nothing is to be said, and all they are compared with is shared. The others are for `analyse_channel`.

@@ -157,7 +157,7 @@ def may_stand_out(
     ``bias``: of the mean logarithm.
     """
     n = len(density)
-    logs, sums, products = np.empty(n), np.zeros(n + 1), np.zeros(n + 1)
+    logs, sums, products, more = np.empty(n), np.zeros(n + 1), np.zeros(n + 1), np.log(ratio) - bias
     for i in range(n):
         if not density[i] > 0.0:
             return True
@@ -168,6 +168,6 @@ def may_stand_out(
             a, b, c, d = edges[0, i], edges[1, i], edges[2, i], edges[3, i]
             mean = (sums[b] - sums[a] - (sums[d] - sums[c])) / count[i]
             slope = (products[b] - products[a] - (products[d] - products[c])) / count[i] - mean_place[i] * mean
-            if not density[i] < ratio * np.exp(mean + slope * slope_of[i] - bias):
+            if not logs[i] < mean + slope * slope_of[i] + more:
                 return True
     return False

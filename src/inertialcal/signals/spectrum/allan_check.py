@@ -20,7 +20,7 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -147,11 +147,10 @@ class Agreement:
         """Return that of each axis by itself."""
         many = np.count_nonzero(np.isfinite(self.chance), axis=0).tolist()
         return [
-            Agreement(
-                self.tau, self.ratio[:, i : i + 1], self.chance[:, i : i + 1], self.agree[i : i + 1], compared,
-                self.false_alarm,
-            )  # fmt: skip
-            for i, compared in enumerate(many)
+            replace(
+                self, ratio=self.ratio[:, i : i + 1], chance=self.chance[:, i : i + 1], agree=own, compared=compared
+            )
+            for i, (own, compared) in enumerate(zip(self.agree[:, None], many, strict=True))
         ]
 
     @property

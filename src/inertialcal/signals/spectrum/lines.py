@@ -180,9 +180,7 @@ def _lines_of(spectrum: Spectrum, axis: int, false_alarm: float) -> Lines:
     for a, b in runs:
         standing[a:b] = at[a:b]
     here = [replace(_measured(spectrum, axis, level, a, b), axis=0) for a, b in runs]
-    return Lines(
-        tuple(_named(here, spectrum.spacing)), _widened(standing, spectrum.lobe)[:, None], false_alarm, tested
-    )
+    return Lines(tuple(_named(here, spectrum.spacing)), _widened(standing, spectrum.lobe)[:, None], false_alarm, tested)
 
 
 def _test(spectrum: Spectrum, false_alarm: float) -> _Test | None:

@@ -227,37 +227,49 @@ def _averaged(columns: Sequence[Array], every: Indices, tapers: Tapers, interval
 
     Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
     """
+    count, length = tapers.weights.shape
+    few = columns_of(length) == 1 and count * len(every) * length <= FEW
+    total = (_summed_at_once if few else _summed_in_shares)(columns, every, tapers.weights)
+    total *= 2.0 * interval / (count * len(every))
+    return total
+
+
+def _summed_at_once(columns: Sequence[Array], every: Indices, tapers: Array) -> Array:
+    """Sum of squared magnitudes of the transforms of few segments, shape (axes, n // 2 + 1)."""
     from ._kernels import add_power, fill_tapered  # noqa: PLC0415 - numba starts slowly
 
-    count, length = tapers.weights.shape
+    length = tapers.shape[1]
+    total, part = np.zeros((len(columns), length // 2 + 1)), np.empty((len(every), length))
+    turned = np.empty((len(every), length // 2 + 1), dtype=np.complex128)
+    for x, found in zip(columns, total, strict=True):
+        for weights in tapers:
+            fill_tapered(x, every, weights, part)
+            add_power(np.fft.rfft(part, axis=1, out=turned).view(np.float64), found)
+        release(x)
+    return total
+
+
+def _summed_in_shares(columns: Sequence[Array], every: Indices, tapers: Array) -> Array:
+    """Return the same of many segments, in shares: several at a time where there are many samples."""
+    from ._kernels import add_power, fill_tapered  # noqa: PLC0415 - numba starts slowly
+
+    count, length = tapers.shape
     in_steps = columns_of(length) > 1
     at_once = 2 * PAIRS if in_steps else max(1, AT_ONCE // length)
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
-    if count * len(every) * length <= FEW:
-        at_once, shares = len(every), [every]
-    total, rooms = np.zeros((len(columns), length // 2 + 1)), list[Room]()
-    if len(shares) == 1 and not in_steps:
-        part = np.empty((len(every), length))
-        turned = np.empty((len(every), length // 2 + 1), dtype=np.complex128)
-        for x, found in zip(columns, total, strict=True):
-            for weights in tapers.weights:
-                fill_tapered(x, every, weights, part)
-                add_power(np.fft.rfft(part, axis=1, out=turned).view(np.float64), found)
-            release(x)
-        total *= 2.0 * interval / (count * len(every))
-        return total
+    total, rooms = np.empty((len(columns), length // 2 + 1)), list[Room]()
     for axis, x in enumerate(columns):
 
         def power(share: Indices, x: Array = x) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
             if in_steps:
-                return power_of(x, share, tapers.weights, rooms)
+                return power_of(x, share, tapers, rooms)
             found = np.zeros(length // 2 + 1)
             for i in range(0, len(share), at_once):
                 some = share[i : i + at_once]
                 part = np.empty((len(some), length))
-                for weights in tapers.weights:
+                for weights in tapers:
                     fill_tapered(x, some, weights, part)
                     add_power(np.fft.rfft(part, axis=1).view(np.float64), found)
                 release(x[some[0] : some[-1] + length])
@@ -267,7 +279,6 @@ def _averaged(columns: Sequence[Array], every: Indices, tapers: Tapers, interval
         for other in others:
             found += other
         total[axis] = folded(found) if in_steps else found
-    total *= 2.0 * interval / (count * len(every))
     return total
 
 
