@@ -15,9 +15,6 @@ MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
 SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
 CONVERGED = 1e-6  # gain of the cost below which it ends
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
-BRIEF = 0.05  # lag in correlation times below which an exponential less its first terms is summed as a series
-GONE = 40.0  # the same from which nothing is left of it beside the other terms, to the last bit
-MOST_GROWN = 690.0  # the same up to which exponentials of a sum are products
 NEAR = 2  # distances from a kink that are summed one by one
 GROWTH = 8.0  # lengths of neighbouring panels beyond
 KINKS = 6  # of each pair, both ends among them
@@ -225,11 +222,11 @@ def lags_of(m1: Array, m2: Array, last: Array) -> tuple[Indices, Array, Array]:
             while lo <= hi:
                 length = 1.0 if done < NEAR else NEAR * GROWTH ** (done - NEAR)
                 size = min(length, max(np.ceil((hi - lo + 1.0) / 2.0), 1.0) if both else hi - lo + 1.0)
-                n = _panel(lo, size, distance, weight, n)
+                n = panel(lo, size, distance, weight, n)
                 lo += size
                 if both and lo <= hi:
                     size = min(size, hi - lo + 1.0)
-                    n = _panel(hi - size + 1.0, size, distance, weight, n)
+                    n = panel(hi - size + 1.0, size, distance, weight, n)
                     hi -= size
                 done += 1
         pair[first:n] = i
@@ -237,7 +234,7 @@ def lags_of(m1: Array, m2: Array, last: Array) -> tuple[Indices, Array, Array]:
 
 
 @compiled
-def _panel(lo: float, size: float, distance: Array, weight: Array, n: int) -> int:
+def panel(lo: float, size: float, distance: Array, weight: Array, n: int) -> int:
     """Put the nodes of a panel behind the first n: those exact for polynomials of degree five, of a long one."""
     if size <= NEAR:
         for i in range(int(size)):
@@ -248,75 +245,6 @@ def _panel(lo: float, size: float, distance: Array, weight: Array, n: int) -> in
     distance[n], distance[n + 1], distance[n + 2] = middle, middle - by, middle + by
     weight[n], weight[n + 1], weight[n + 2] = size - 2.0 * ends, ends, ends
     return n + 3
-
-
-@compiled
-def add_differences(
-    distance: Array, m1: Array, m2: Array, more: Array, linear: float, none: float, exponentials: Array, out: Array
-) -> None:  # fmt: skip
-    """Add weighted second differences at each lag, see ``fitting.allan_covariance``, shape (t,).
-
-    Of the lag, times ``more``; of 1 where it is zero; of exponentials, rows of which are size, u and both of
-    ``terms.exponential_gain``. Lags of a pair follow each other.
-    """
-    start, ahead = 0, np.empty(len(distance))
-    while start < len(distance):
-        stop, longest = start, 0.0
-        while stop < len(distance) and m1[stop] == m1[start] and m2[stop] == m2[start]:
-            longest, stop = max(longest, distance[stop]), stop + 1
-        d, own, raised = distance[start:stop], out[start:stop], more[start:stop] if len(more) > 1 else more
-        for a in range(-1, 2):
-            for b in range(-1, 2):
-                shift, factor = b * m2[start] - a * m1[start], (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))
-                for t in range(len(d)):
-                    own[t] += factor * linear * raised[t if len(more) > 1 else 0] * abs(d[t] + shift)
-                    own[t] += factor * none if d[t] + shift == 0.0 else 0.0
-        for e in range(len(exponentials)):
-            u = exponentials[e, 1]
-            few = u * (longest + m1[start] + m2[start]) < MOST_GROWN
-            for t in range(len(d) if few else 0):
-                ahead[t] = np.exp(-u * d[t])
-            for a in range(-1, 2):
-                for b in range(-1, 2):
-                    shift, factor = b * m2[start] - a * m1[start], (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))
-                    _add_exponential(d, shift, u, -factor * exponentials[e, 0], exponentials[e, 2:], own)
-                    if few:
-                        _add_products(d, shift, u, -factor * exponentials[e, 0] * exponentials[e, 2], ahead, own)
-                    else:
-                        _add_far(d, shift, u, -factor * exponentials[e, 0] * exponentials[e, 2], own)
-        start = stop
-
-
-@compiled
-def _add_exponential(d: Array, shift: float, u: float, size: float, gain: Array, out: Array) -> None:
-    """Add what is left of an exponential but itself, and of the lag; of brief lags all."""
-    first, excess = gain[0], gain[1]
-    for t in range(len(d)):
-        j = abs(d[t] + shift)
-        x = u * j
-        brief = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
-        rest = x - 1.0 - 0.5 * x * x
-        out[t] += size * (first * (brief if x < BRIEF else rest) + excess * j)
-
-
-@compiled
-def _add_products(d: Array, shift: float, u: float, size: float, ahead: Array, out: Array) -> None:
-    """Add an exponential of a sum as a product, where it is not brief."""
-    one, other = np.exp(-u * shift), np.exp(u * shift)
-    for t in range(len(d)):
-        lag = d[t] + shift
-        left = ahead[t] * one if lag > 0.0 else other / ahead[t]
-        out[t] += size * left if u * abs(lag) >= BRIEF else 0.0
-
-
-@compiled
-def _add_far(d: Array, shift: float, u: float, size: float, out: Array) -> None:
-    """Add the same where products would grow too large; beyond some correlation times nothing is left."""
-    reach = GONE / u
-    for t in range(len(d)):
-        j = abs(d[t] + shift)
-        if j < reach and u * j >= BRIEF:
-            out[t] += size * np.exp(-u * j)
 
 
 @compiled

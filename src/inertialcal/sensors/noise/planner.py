@@ -42,6 +42,7 @@ from .fitting.allan_covariance import covariance_of_allan, model_edf
 from .fitting.likelihood import mean_of, sandwich_of
 from .fitting.order import NAMES, PRICE, ranked, separable, unknowns
 from .fitting.problem import GAUSS_MARKOV, Run, problem_of
+from .fitting.stack import Stack
 from .terms import Sinusoid, Term, total_phase
 
 LONGEST = 2.0**34  # samples of a record that is still planned
@@ -364,7 +365,8 @@ def separation(terms: tuple[Term, ...], term: str, record: float, interval: floa
     problem = problem_of([run], [one.frequency for one in terms if isinstance(one, Sinusoid)])
     names = tuple(one.name for one in terms if one.name in CHOSEN_FROM)
     least, worst = float(problem.weight @ (np.log(mu) + 1.0)), np.inf
-    for choice in ranked(problem, separable(problem, tuple(one for one in CHOSEN_FROM if one != term))):
+    (choices,) = ranked(Stack((problem,)), separable(problem, tuple(one for one in CHOSEN_FROM if one != term)))
+    for choice in choices:
         gain = 2.0 * (choice.fitted.cost - least)
         slope = 2.0 * problem.weight * (1.0 / mean_of(problem, choice.fitted) - 1.0 / mu)
         price = PRICE * (unknowns(names) - unknowns(choice.terms))

@@ -38,7 +38,8 @@ from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from .._kernels import lags_of
-from .._kernels_squares import fill_pairs, fill_squares, fill_windows
+from .._kernels_squares import Lags as Summed
+from .._kernels_squares import fill_pairs, fill_squares, fill_straight, fill_windows
 from ..expected import density_of_samples
 from ..terms import SERIES_FROM, Phase, dead_time_part, exponential_gain
 
@@ -74,7 +75,9 @@ def squares_of(phases: Sequence[Phase], m: Array, n: Array, inflation: Array | N
     of = np.array([i for i, one in enumerate(phases) for _ in one.exponentials], dtype=np.int64)
     parts = np.array([part for one in phases for part in one.exponentials]).reshape(-1, 2)
     exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])]) if len(parts) else NO_PARTS
-    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / min(parts[:, 1], default=np.inf), wanders, 2.0))
+    reach = min(max(TAIL / min(parts[:, 1], default=np.inf), wanders, 2.0), float(n.max()))
+    slow = any(one.cubic > 0.0 or one.flicker > 0.0 for one in phases)  # else nothing but exponentials is far away
+    known = _design(m.tobytes(), n.tobytes(), raised, reach if slow else 0.0)
     # what dead time adds to flicker is short, taken as white
     linear = [one.linear + (2.0 * one.flicker * _slope(one.duty) if one.flicker else 0.0) for one in phases]
     sizes = np.array([
@@ -84,11 +87,8 @@ def squares_of(phases: Sequence[Phase], m: Array, n: Array, inflation: Array | N
     lags, (row, column) = known.lags, known.pairs
     values = np.empty((len(phases) * (len(phases) + 1) // 2, len(row)))
     cubic, flicker = lags.cubic if sizes[:, 2].any() else ONE, lags.flicker if sizes[:, 3].any() else ONE
-    fill_squares(
-        lags.pair, lags.distance, lags.m1, lags.m2, known.windows, known.more, cubic, flicker, sizes, of, exponentials,
-        values,
-    )  # fmt: skip
-    values *= 2.0 / (n[row] * n[column])  # t and -t are alike
+    pairs = m, n, row, column, 0.0 if slow else reach
+    fill_squares(known.arrays, cubic, flicker, pairs, sizes, of, exponentials, values)
     if any(one.cosines for one in phases):
         both = [(one, other) for i, one in enumerate(phases) for other in phases[: i + 1]]
         for i, (one, other) in enumerate(both):
@@ -118,6 +118,12 @@ class Design:
     windows: Array  # weight of each lag, shape (t,)
     more: Array  # what missing samples multiply the linear part by, shape (t,); of one number where none is missing
 
+    @property
+    def arrays(self) -> Summed:
+        """What ``_kernels_squares`` takes of it."""
+        lags = self.lags
+        return lags.pair, lags.distance, lags.m1, lags.m2, *lags.straight, self.windows, self.more
+
 
 @lru_cache(32)  # a fit asks for the same again and again, and fits of records of one length
 def _design(m: bytes, n: bytes, inflation: bytes | None, reach: float) -> Design:
@@ -143,6 +149,13 @@ class Lags:
     weight: Array  # shape (t,)
     m1: Array  # of the pair, shape (t,) [samples]
     m2: Array
+
+    @cached_property
+    def straight(self) -> tuple[Array, Array]:
+        """Of itself, and of 1 where it is zero."""
+        found = np.empty_like(self.distance), np.empty_like(self.distance)
+        fill_straight(self.distance, self.m1, self.m2, *found)
+        return found
 
     @cached_property
     def cubic(self) -> Array:

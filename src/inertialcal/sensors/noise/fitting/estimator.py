@@ -22,9 +22,11 @@ Three ways in which real data break it, each simulated:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
@@ -52,12 +54,22 @@ from ..terms import (
     shown_units,
 )
 from .filtered import Band
-from .goodness import MOST, SIGNIFICANT, ChiSquare, agreement_test, misfit_of, residual_test
-from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, sandwich, terms_of, time_at
-from .limits import Missing, interval_of, limits_and_records, wide_intervals
+from .goodness import (
+    MOST,
+    SIGNIFICANT,
+    SMALL,
+    ChiSquare,
+    agreement_test,
+    chi_squares,
+    misfit_of,
+    residual_test,
+)
+from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, terms_of, time_at
+from .limits import Limit, Missing, interval_of, limits_of_many, wide_of_many
 from .noise_fit import NoiseFit, Parameter, Rival, TermEstimate
 from .order import NAMES, NEARER, PLAUSIBLE, PRICE, SUPPLE, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, inside, problem_of, run_of, unit_of, with_misfit
+from .stack import Stack, estimate_each, know, stacks
 
 AUTO = (*NAMES, GAUSS_MARKOV)
 FAST = (Quantization.name, RandomWalk.name)  # terms of short averaging times
@@ -130,17 +142,37 @@ class Fit:
 
 
 def fit_many(fits: Sequence[Fit]) -> list[NoiseFit | InertialcalError]:
-    """Return what `fit` gives of each, or why there are no terms: records of one length share what they can."""
-    found: list[NoiseFit | InertialcalError] = []
-    for one in fits:
+    """Return what `fit` gives of each, or why there are no terms: series of one sampling are fitted together."""
+    found: dict[int, NoiseFit | InertialcalError] = {}
+    problems: dict[int, Problem] = {}
+    units: dict[int, str] = {}
+    for i, one in enumerate(fits):
         try:
-            found.append(_alone(one))
+            problems[i], units[i] = _problem(one)
         except InertialcalError as error:
-            found.append(error)
-    return found
+            found[i] = error
+    places = [*problems]
+    for alike in stacks([*problems.values()]):
+        ways: dict[tuple[tuple[str, ...], float], list[int]] = {}
+        for i in (places[j] for j in alike):
+            terms = fits[i].terms
+            ways.setdefault(((terms,) if isinstance(terms, str) else tuple(terms), fits[i].p), []).append(i)
+        for (terms, p), at in ways.items():
+            own = [Asked(problems[i], fits[i].kind, units[i]) for i in at]
+            found.update(zip(at, _fitted(own, terms, p), strict=True))
+    return [found[i] for i in range(len(fits))]
 
 
-def _alone(one: Fit) -> NoiseFit:
+class Asked(NamedTuple):
+    """One series to fit."""
+
+    problem: Problem
+    kind: Kind | None  # Of the sensor
+    unit: str  # Of the samples
+
+
+def _problem(one: Fit) -> tuple[Problem, str]:
+    """Return the runs of a fit stacked, and the unit of their samples; what cannot be fitted is refused."""
     if not 0.0 < one.p < 1.0:
         raise PlanError(f"intervals of probability {one.p:g}", do="Give one between 0 and 1: 0.95", code="probability")
     several = list(one.curves) if isinstance(one.curves, Sequence) else [one.curves]
@@ -150,70 +182,112 @@ def _alone(one: Fit) -> NoiseFit:
     runs = [run_of(curve, one.axis, samples) for curve in several]
     if one.bands:
         runs = [run if band is None else inside(run, band) for run, band in zip(runs, one.bands, strict=True)]
-    plain = problem_of(runs, one.lines)
-    solution = _solved(plain, one.terms, one.kind, samples, one.p)
-    return _result(plain, solution, AUTO if one.terms == "auto" else _names(one.terms))
+    problem = problem_of(runs, one.lines)
+    if one.terms != "auto":
+        _names(one.terms)
+    return problem, samples
 
 
-def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseFit:
-    """Return a solution as users see it: the terms found, those that are not, and the tests."""
+def _fitted(asked: Sequence[Asked], terms: tuple[str, ...], p: float) -> list[NoiseFit | InertialcalError]:
+    """Return the fits of series of one sampling."""
+    wanted = AUTO if terms == ("auto",) else terms
+    solved = _solved(asked, terms, p)
+    worse = {
+        i: misfit
+        for i, one in enumerate(solved)
+        if isinstance(one, Solution) and one.residual is not None and one.residual.p < SIGNIFICANT
+        for misfit in (misfit_of(one.problem, one.candidates),)
+        if misfit > 0.0
+    }
+    if worse:
+        again = [asked[i]._replace(problem=with_misfit(asked[i].problem, misfit)) for i, misfit in worse.items()]
+        for i, one in zip(worse, _solved(again, terms, p), strict=True):
+            solved[i] = one
+    alike: dict[bytes, list[int]] = {}
+    for i, one in enumerate(solved):
+        if isinstance(one, Solution):
+            alike.setdefault(_pattern(one.fitted), []).append(i)
+    ready: dict[int, NoiseFit] = {}
+    for at in alike.values():
+        several = [one for one in (solved[i] for i in at) if isinstance(one, Solution)]
+        ready.update(zip(at, _results([asked[i].problem for i in at], several, wanted), strict=True))
+    return [one if isinstance(one, InertialcalError) else ready[i] for i, one in enumerate(solved)]
+
+
+def _pattern(fitted: Fitted) -> bytes:
+    return (fitted.powers > 0.0).tobytes()
+
+
+def _results(plain: Sequence[Problem], solutions: Sequence[Solution], wanted: Sequence[str]) -> list[NoiseFit]:
+    """Return solutions with the same terms as users see them: the terms found, those that are not, and the tests."""
+    stack, there = Stack(tuple([one.problem for one in solutions])), present(solutions[0].fitted)
+    names = [name for name in wanted if name not in there]
+    found, missed = _estimated(stack, solutions), _not_identified(stack, solutions, names)
+    return [_result(*one) for one in zip(plain, solutions, found, missed, strict=True)]
+
+
+def _result(
+    plain: Problem, solution: Solution, found: tuple[TermEstimate, ...], missed: tuple[TermEstimate, ...]
+) -> NoiseFit:
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
-    found = estimated(solution)
-    there = present(fitted)
-    missed = not_identified(solution, [name for name in wanted if name not in there])
     residual = solution.residual
     if problem is not plain:
         residual = residual_test(plain, fitted, covariance_of_runs(plain, fitted))
     agreement = agreement_test(problem, fitted, solution.sigma)
     runs = problem.runs
+    expected = mean_of(problem, fitted)
     return NoiseFit(
         solution.kind,
         solution.unit,
         found + missed,
         estimate_of(solution, found),
-        tuple((choice.terms, choice.criterion - best.criterion) for choice in solution.table),
+        tuple([(choice.terms, choice.criterion - best.criterion) for choice in solution.table]),
         residual,
         agreement,
         0.5 * problem.misfit,
         terms_of(problem, fitted),
-        tuple(run.tau for run in runs),
-        tuple(run.variance for run in runs),
-        tuple(np.split(mean_of(problem, fitted), np.cumsum([len(run.m) for run in runs])[:-1])),
+        tuple([run.tau for run in runs]),
+        tuple([run.variance for run in runs]),
+        (expected,) if len(runs) == 1 else tuple(np.split(expected, np.cumsum([len(run.m) for run in runs])[:-1])),
         EstimatedAt(solution),
         remarks_of(solution, residual, agreement),
         rivals_of(solution),
     )
 
 
-def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, unit: str, p: float) -> Solution:
-    """Choose the terms, and fit those of the choice closely; with a misfit, where scatter does not explain the rest."""
-    candidates = separable(problem, AUTO if terms == "auto" else _names(terms))
-
-    def solution(problem: Problem) -> Solution:
-        if terms == "auto":
-            table = ranked(problem, candidates)
-        else:
-            alone = estimate(problem, candidates, looks=1)
-            if not np.isfinite(alone.cost):
-                what = f"{', '.join(candidates)} cannot give this Allan deviation"
-                do = 'Add "random_walk", or let the terms be chosen'
-                raise DataError(what, why="they are zero where it is not", do=do, code="wrong_terms")
-            table = (Choice(candidates, criterion(candidates, alone), *alone),)
-        fitted = estimate(problem, table[0].terms)
-        if all(isinstance(term, RateRamp | Sinusoid) for term in terms_of(problem, fitted)):
+def _solved(asked: Sequence[Asked], terms: tuple[str, ...], p: float) -> list[Solution | InertialcalError]:
+    """Choose the terms of series of one sampling, and fit those of the choice closely."""
+    stack = Stack(tuple([one.problem for one in asked]))
+    candidates = separable(stack.problems[0], AUTO if terms == ("auto",) else terms)
+    if terms == ("auto",):
+        tables = ranked(stack, candidates)
+    else:
+        alone = estimate_each(stack, [candidates] * len(stack), looks=1)
+        tables = [(Choice(candidates, criterion(candidates, one), *one),) for one in alone]
+    fits = estimate_each(stack, [table[0].terms for table in tables])
+    found: dict[int, Solution | InertialcalError] = {}
+    alike: dict[bytes, list[int]] = {}
+    for i, (table, one) in enumerate(zip(tables, fits, strict=True)):
+        if not np.isfinite(table[0].cost):
+            what = f"{', '.join(candidates)} cannot give this Allan deviation"
+            do = 'Add "random_walk", or let the terms be chosen'
+            found[i] = DataError(what, why="they are zero where it is not", do=do, code="wrong_terms")
+        elif not set(present(one)) - {RateRamp.name}:
             what, why = "the terms are a ramp or a line alone, without noise", "nothing would scatter"
             do = 'Add "random_walk", or check whether the record is computed rather than measured'
-            raise DataError(what, why=why, do=do, code="no_noise")
-        sigma = covariance_of_runs(problem, fitted)
-        bread = sandwich(problem, fitted, sigma)
-        residual = residual_test(problem, fitted, sigma)
-        return Solution(problem, candidates, table, fitted, sigma, bread, residual, kind, unit, p)
-
-    first = solution(problem)
-    if first.residual is None or first.residual.p >= SIGNIFICANT:
-        return first
-    misfit = misfit_of(problem, candidates)
-    return solution(with_misfit(problem, misfit)) if misfit > 0.0 else first
+            found[i] = DataError(what, why=why, do=do, code="no_noise")
+        else:
+            alike.setdefault(_pattern(one), []).append(i)
+    for at in alike.values():
+        known = know(stack.take(at), [fits[i] for i in at], SMALL)
+        tests = chi_squares(known.tests)
+        for j, i in enumerate(at):
+            own = asked[i]
+            found[i] = Solution(
+                own.problem, candidates, tables[i], fits[i], known.sigma[j], known.bread(j), tests[j], own.kind,
+                own.unit, p,
+            )  # fmt: skip
+    return [found[i] for i in range(len(asked))]
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
@@ -364,26 +438,50 @@ class Solution:
 
         return tuple(one for one in others if near(one) and {*one.terms} - own and own - {*one.terms})
 
-    @cached_property
-    def free(self) -> tuple[str, ...]:
-        """Terms that an interval leaves free: chosen ones, flicker and a walk, quantisation where it fits."""
-        names = (*present(self.fitted), *(name for name in FREE if name in self.candidates))
-        if Quantization.name in self.candidates:
-            more = (*names, Quantization.name)
-            if estimate(self.problem, more, looks=1).powers[NAMES.index(Quantization.name)] > 0.0:
-                names = more
-        return tuple(dict.fromkeys(names))
+
+def _free(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[str, ...]]:
+    """Return terms that intervals leave free: chosen ones, flicker and a walk, quantisation where it fits."""
+    candidates = solutions[0].candidates
+    names = present(solutions[0].fitted)
+    names += tuple([name for name in FREE if name in candidates and name not in names])
+    if Quantization.name not in candidates or Quantization.name in names:
+        return [names] * len(solutions)
+    more = (*names, Quantization.name)
+    at = NAMES.index(Quantization.name)
+    return [more if one.powers[at] > 0.0 else names for one in estimate_each(stack, [more] * len(stack), looks=1)]
 
 
 def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     """Return the terms that have a size, with intervals."""
+    return _estimated(Stack((solution.problem,)), [solution])[0]
+
+
+def _estimated(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[TermEstimate, ...]]:
+    """Return the same of solutions with the same terms."""
+    p, problem = solutions[0].p, solutions[0].problem
+    ats: list[int] = np.flatnonzero(solutions[0].fitted.powers > 0.0).tolist()
+    last = len(problem.names)
+    wanted = [column for column, at in enumerate(ats) if at < len(LINEAR) or at == last]  # not a line
+    stretches = np.array([one.bread.stretch for one in solutions])[:, wanted]
+    fits = [one.fitted for one in solutions]
+    wide = wide_of_many(stack, fits, [ats[i] for i in wanted], _free(stack, solutions), stretches, p)
+    point = float(special.ndtri(0.5 * (1.0 + p)))
+    return [
+        _of_solution(one, ats, dict(zip(wanted, own, strict=True)), point)
+        for one, own in zip(solutions, wide, strict=True)
+    ]
+
+
+def _of_solution(
+    solution: Solution, ats: Sequence[int], wide: Mapping[int, Interval], point: float
+) -> tuple[TermEstimate, ...]:
     problem, powers = solution.problem, solution.fitted.powers
-    u, point = solution.bread.u, float(special.ndtri(0.5 * (1.0 + solution.p)))
+    u = solution.bread.u.tolist()
     found = []
-    for column, (at, interval) in enumerate(_intervals(solution)):
-        size = float(np.sqrt(powers[at]))
+    for column, (at, interval) in enumerate(_intervals(solution, ats, wide)):
+        size = math.sqrt(powers[at])
         half = 0.0 if interval.hi is None else 0.5 * (interval.hi - (interval.lo or 0.0)) / point
-        first = (size, max(float(0.5 * u[column] / size), half), interval)
+        first = (size, max(0.5 * u[column] / size, half), interval)
         if at == len(problem.names):
             time = time_at(problem, solution.fitted.position)
             between = interval_of(problem, solution.fitted, at + 1, solution.bread, solution.p)
@@ -409,23 +507,19 @@ class EstimatedAt:
         return estimated(replace(self.solution, p=p))
 
 
-def _intervals(solution: Solution) -> list[tuple[int, Interval]]:
+def _intervals(
+    solution: Solution, ats: Sequence[int], wide: Mapping[int, Interval]
+) -> list[tuple[int, Interval]]:  # fmt: skip
     """Return places of powers and intervals of sizes, with the terms free that were not chosen but may be there."""
     problem, fitted, bread, p = solution.problem, solution.fitted, solution.bread, solution.p
-    ats: list[int] = np.flatnonzero(fitted.powers > 0.0).tolist()
-    last, stretch = len(problem.names), bread.stretch.tolist()
-    wanted = [column for column, at in enumerate(ats) if at < len(LINEAR) or at == last]  # not a line
-    wide = wide_intervals(
-        problem, fitted, [ats[i] for i in wanted], solution.free, [stretch[i] for i in wanted], p
-    )  # fmt: skip
-    of = dict(zip(wanted, wide, strict=True))
+    last = len(problem.names)
     without = [{*one.terms} for one in solution.rivals]
     found = []
     for column, at in enumerate(ats):
         own = interval_of(problem, fitted, at, bread, p)
         lo, hi = own.lo, own.hi
-        if column in of:
-            name, more = problem.names[at] if at < last else GAUSS_MARKOV, of[column]
+        if column in wide:
+            name, more = problem.names[at] if at < last else GAUSS_MARKOV, wide[column]
             lo = min(lo or 0.0, more.lo or 0.0)
             hi = None if hi is None or more.hi is None else max(hi, more.hi)
             fewer = [terms for terms in without if name not in terms] if name not in FAST else []
@@ -449,43 +543,56 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
     return TermEstimate(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
 
 
-def not_identified(solution: Solution, names: Sequence[str]) -> tuple[TermEstimate, ...]:
-    """Return terms that the record does not show: the reason, an upper limit, and the record that would show it."""
-    problem, candidates = solution.problem, solution.candidates
-    missing: dict[str, Missing] = {}
-    rivals: dict[str, Choice | None] = {}
-    for name in names:
-        if name in candidates:
-            other = rivals[name] = _rival(solution, name, True)
-            rival = None if other is None else other.fitted
-            missing[name] = (
-                _hidden_markov(solution, rival)
-                if name == GAUSS_MARKOV
-                else Missing(NAMES.index(name), solution.fitted.position, rival)
-            )
-    limits: dict[str, tuple[float | None, float | None, bool]] = {}
-    if missing:
-        known = limits_and_records(problem, solution.fitted, [*missing.values()], solution.sigma)
-        limits = dict(zip(missing, known, strict=True))
-    return tuple(
-        _not_identified(solution, name, missing[name], rivals[name], *limits[name])
-        if name in limits
-        else _like_another(solution, name)
-        for name in names
-    )
+def _not_identified(
+    stack: Stack, solutions: Sequence[Solution], names: Sequence[str]
+) -> list[tuple[TermEstimate, ...]]:  # fmt: skip
+    """Return terms that records do not show: the reason, an upper limit, and the record that would show each."""
+    own = [name for name in names if name in solutions[0].candidates]
+    rivals = [{name: _rival(one, name, True) for name in own} for one in solutions]
+    hidden = _hidden_markov(stack, solutions, [one[GAUSS_MARKOV] for one in rivals]) if GAUSS_MARKOV in own else []
+    missing = [
+        [
+            hidden[i] if name == GAUSS_MARKOV else Missing(NAMES.index(name), one.fitted.position, _fit_of(other[name]))
+            for name in own
+        ]
+        for i, (one, other) in enumerate(zip(solutions, rivals, strict=True))
+    ]
+    limits: list[list[Limit]] = [[]] * len(solutions)
+    if own:
+        sigma = np.array([one.sigma for one in solutions])
+        limits = limits_of_many(stack, [one.fitted for one in solutions], missing, sigma)
+    found = []
+    for i, one in enumerate(solutions):
+        known = dict(zip(own, zip(missing[i], limits[i], strict=True), strict=True))
+        found.append(tuple([
+            _hidden(one, name, known[name][0], rivals[i][name], *known[name][1])
+            if name in known
+            else _like_another(one, name)
+            for name in names
+        ]))  # fmt: skip
+    return found
 
 
-def _hidden_markov(solution: Solution, rival: Fitted | None) -> Missing:
+def _fit_of(choice: Choice | None) -> Fitted | None:
+    return None if choice is None else choice.fitted
+
+
+def _hidden_markov(
+    stack: Stack, solutions: Sequence[Solution], rivals: Sequence[Choice | None]
+) -> list[Missing]:  # fmt: skip
     """Return Gauss-Markov noise at the correlation time where it hides best, else at the middle of those tried."""
-    problem, fitted, chosen = solution.problem, solution.fitted, solution.table[0]
-    best = estimate(problem, (*present(fitted), GAUSS_MARKOV))
-    position = best.position if best.powers[-1] > 0.0 else 0.5 * (len(problem.table) - 1.0)
-    alone = tuple(one for one in chosen.terms if one in FAST)
-    if rival is None and alone != chosen.terms:  # in place of what wanders
-        instead = estimate(problem, (*alone, GAUSS_MARKOV))
-        behind = criterion((*alone, GAUSS_MARKOV), instead) - chosen.criterion
-        rival = instead if behind < PLAUSIBLE and instead.powers[-1] > 0.0 else None
-    return Missing(len(problem.names), position, rival)
+    found, middle = [], 0.5 * (len(solutions[0].problem.table) - 1.0)
+    wanted = (*present(solutions[0].fitted), GAUSS_MARKOV)
+    every = estimate_each(stack, [wanted] * len(stack))
+    for solution, other, best in zip(solutions, rivals, every, strict=True):
+        position, rival, chosen = best.position if best.powers[-1] > 0.0 else middle, _fit_of(other), solution.table[0]
+        alone = tuple(one for one in chosen.terms if one in FAST)
+        if rival is None and alone != chosen.terms:  # in place of what wanders
+            instead = estimate(solution.problem, (*alone, GAUSS_MARKOV))
+            behind = criterion((*alone, GAUSS_MARKOV), instead) - chosen.criterion
+            rival = instead if behind < PLAUSIBLE and instead.powers[-1] > 0.0 else None
+        found.append(Missing(len(solution.problem.names), position, rival))
+    return found
 
 
 def _like_another(solution: Solution, name: str) -> TermEstimate:
@@ -495,7 +602,7 @@ def _like_another(solution: Solution, name: str) -> TermEstimate:
     return TermEstimate(name, "not_identified", (), words, code, unit=unit, record=solution.problem.length)
 
 
-def _not_identified(
+def _hidden(
     solution: Solution, name: str, missing: Missing, other: Choice | None, power: float | None, needed: float | None,
     beside_rival: bool,
 ) -> TermEstimate:  # fmt: skip

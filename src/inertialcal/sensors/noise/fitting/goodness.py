@@ -88,6 +88,13 @@ def chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
     return ChiSquare(statistic, kept, float(special.chdtrc(kept, statistic)))
 
 
+def chi_squares(tests: Array) -> list[ChiSquare | None]:
+    """Return tests of sums of squares and their degrees of freedom, shape (n, 2); None where there are none."""
+    p = special.chdtrc(tests[:, 1], tests[:, 0])
+    found = zip(*tests.T.tolist(), p.tolist(), strict=True)
+    return [ChiSquare(total, int(dof), chance) if dof > 0 else None for total, dof, chance in found]
+
+
 def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
     """Return the relative misfit that all candidates together leave; zero where scatter explains the rest."""
 

@@ -36,11 +36,13 @@ from .._kernels import fill_sandwich
 from .._kernels_chain import fit_of
 from .._kernels_limits import fill_bread, interpolate
 from ..terms import GaussMarkov, Sinusoid, Term
+from .filtered import SHAPE
 from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
-from .spread import NONE, Spread, spread_of, spread_with
+from .spread import HIDDEN, NONE, SAME_TAU, Spread, spread_of, spread_with
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
+RULES = PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR  # what loops take of these and of ``spread``
 
 
 class Fitted(NamedTuple):

@@ -33,7 +33,7 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -44,12 +44,12 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import crossing_root
-from .._kernels_chain import fill_ends, fill_limits
+from .._kernels import Indices, crossing_root
+from .._kernels_each import end_each, limit_each
 from ..terms import Sinusoid
-from .filtered import SHAPE, Band
+from .filtered import Band
 from .likelihood import (
-    SINGULAR,
+    RULES,
     SPACINGS,
     Fitted,
     Sandwich,
@@ -60,7 +60,6 @@ from .likelihood import (
     sandwich,
     terms_wanted,
     time_at,
-    unit_terms,
 )
 from .order import NAMES, PRICE, present, unknowns
 from .problem import (
@@ -75,7 +74,8 @@ from .problem import (
     linear_columns,
     run_that_took,
 )
-from .spread import HIDDEN, SAME_TAU, Arrays, spread_of, spread_with
+from .spread import Arrays
+from .stack import Stack, complete
 
 SMALLEST = 1e-9  # of the most that there is room for: a power that is not there
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
@@ -87,7 +87,6 @@ ROUGH = 0.1  # the same, where the stretch is taken
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 FIRST_STEP = 0.01  # of the logarithm of a power, towards an end
 ROUNDING = 1e-15  # of the largest eigenvalue: directions that nothing tells of
-RULES = PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR
 CLOSENESS = NEARBY, ROUGH, TOLERANCE
 # By how much the criterion falls with each term besides white noise where it is named
 NAMED_BY = tuple(PRICE * (unknowns((NAMES[1], name)) - 1.0) for name in (*NAMES, GAUSS_MARKOV))
@@ -101,9 +100,12 @@ class Missing(NamedTuple):
     rival: Fitted | None = None  # A choice with it that is nearly as good
 
 
+Limit = tuple[float | None, float | None, bool]
+
+
 def limits_and_records(
     problem: Problem, fitted: Fitted, missing: Sequence[Missing], sigma: Array
-) -> list[tuple[float | None, float | None, bool]]:
+) -> list[Limit]:  # fmt: skip
     """Return what is to be said of the powers of terms that were not chosen.
 
     Returns
@@ -115,49 +117,47 @@ def limits_and_records(
     beside_rival : bool
         Whether the limit holds next to the terms of the rival.
     """
-    none, count = np.zeros(len(fitted.powers)), len(problem.names)
-    run = max(problem.runs, key=lambda one: one.length) if len(problem.runs) > 1 else problem.runs[0]
-    markov = [one for one in missing if one.at == count]
-    position = markov[0].position if markov else fitted.position
-    longest = columns_of_longest(problem, run, fitted, position if markov or fitted.powers[-1] > 0.0 else None)
-    found = np.empty((len(missing), 4))
-    ats, positions = np.array([one.at for one in missing]), np.array([one.position for one in missing])
-    rivals = [none if one.rival is None else one.rival.powers for one in missing]
-    rival_at = np.array([0.0 if one.rival is None else one.rival.position for one in missing])
-    named = np.array([NAMED_BY[min(one.at, len(LINEAR))] for one in missing])
+    return limits_of_many(Stack((problem,)), [fitted], [missing], sigma[None])[0]
 
-    def fill(plain: Arrays, beside: Arrays, beside_at: float, there: NDArray[np.bool_], first: int, to: Array) -> int:
-        return fill_limits(
-            problem.arrays, problem.misfit, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
-            len(problem.lines), fitted.powers, positions, ats, sigma, SMALLEST, named, np.array(rivals), rival_at,
-            longest, run.edf, DOUBLINGS, KNOWN, ROUNDING, first, found, to,
+
+def limits_of_many(
+    stack: Stack, fits: Sequence[Fitted], missing: Sequence[Sequence[Missing]], sigma: Array
+) -> list[list[Limit]]:
+    """Return the same of fits of the same terms, each of which misses the same; covariances of shape (n, k, k)."""
+    problem, each, ats = stack.problems[0], range(len(stack)), np.array([one.at for one in missing[0]])
+    none, count = np.zeros(len(fits[0].powers)), len(problem.names)
+    longest = max(range(len(problem.runs)), key=lambda i: problem.runs[i].length)
+    runs = [one.runs[longest] for one in stack.problems]
+    powers = np.array([one.powers for one in fits])
+    positions = np.array([[one.position for one in of] for of in missing])
+    rivals = np.array([[none if one.rival is None else one.rival.powers for one in of] for of in missing])
+    rival_at = np.array([[0.0 if one.rival is None else one.rival.position for one in of] for of in missing])
+    named = np.array([NAMED_BY[min(at, len(LINEAR))] for at in ats.tolist()])
+    markov = np.flatnonzero(ats == count)
+    likely, at = powers.copy(), positions[:, markov[0]] if len(markov) else np.array([one.position for one in fits])
+    likely[:, -1] = 1.0 if len(markov) else powers[:, -1]
+    columns = columns_of_longest(problem, runs[0], likely[0], at)
+    edf, found = np.array([one.edf for one in runs]), np.empty((len(stack), len(ats), 4))
+
+    def fill(
+        places: Indices, steps: Indices, plain: Arrays, beside: Arrays, beside_at: Array, there: NDArray[np.bool_],
+        ended: Array,
+    ) -> None:  # fmt: skip
+        limit_each(
+            places, steps, stack.shared, stack.found, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
+            len(problem.lines), powers, positions, ats, sigma, SMALLEST, named, rivals, rival_at, columns, edf,
+            DOUBLINGS, KNOWN, ROUNDING, found, ended,
         )  # fmt: skip
 
-    likely = fitted
-    if markov:
-        powers = fitted.powers.copy()
-        powers[-1] = 1.0
-        likely = Fitted(powers, position, fitted.cost)
-    complete(problem, fill, 2 * len(missing), likely)
+    complete(stack, fill, 2 * len(ats), likely, at)
+    lengths, rows = [one.length for one in runs], found.tolist()
     return [
-        (None if math.isnan(limit) else limit, run.length * 2.0**more if more <= DOUBLINGS else None, rival > 0.0)
-        for limit, more, rival, _ in found.tolist()
+        [
+            (None if math.isnan(limit) else limit, lengths[i] * 2.0**more if more <= DOUBLINGS else None, rival > 0.0)
+            for limit, more, rival, _ in rows[i]
+        ]
+        for i in each
     ]
-
-
-def complete(problem: Problem, fill: Callable[..., int], count: int, likely: Fitted) -> None:
-    """Let a chain do all its steps, with the covariance of those powers beside Gauss-Markov noise that it meets.
-
-    Those that it will meet first are ``likely``.
-    """
-    plain, ended, first = spread_of(problem.runs, problem.lines).arrays, np.empty(len(problem.names) + 2), 0
-    beside, position, there = plain, np.nan, likely.powers > 0.0
-    while first < count:
-        if there[-1]:
-            beside, position = spread_with(problem.runs, unit_terms(problem, likely)).arrays, likely.position
-        first = fill(plain, beside, position, there, first, ended)
-        likely = Fitted(ended[:-1].copy(), float(ended[-1]), np.nan)
-        there = likely.powers > 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,19 +191,20 @@ class Held:
         return None if np.isnan(found) else found
 
 
-def columns_of_longest(problem: Problem, run: Run, fitted: Fitted, position: float | None) -> Array:
-    """Return the Allan variance of each term of size 1 in a record 2^24 times as long as a run, shape (k + 24, p + 1).
+def columns_of_longest(problem: Problem, run: Run, powers: Array, positions: Array) -> Array:
+    """Return the Allan variance of each term of size 1 in a record 2^24 times as long as a run, (n, k + 24, p + 1).
 
-    Lines and Gauss-Markov noise have zeros where they take no part.
+    Gauss-Markov noise has a position for each of the n. It and lines have zeros where they take no part.
     """
     longest, linear = _longest(run.taken[0], run.band)
-    columns = np.zeros((len(longest.m), len(fitted.powers)))
-    columns[:, : len(LINEAR)] = linear
+    columns = np.zeros((len(positions), len(longest.m), len(powers)))
+    columns[:, :, : len(LINEAR)] = linear
     for i, frequency in enumerate(problem.lines):
-        if fitted.powers[len(LINEAR) + i] > 0.0:
-            columns[:, len(LINEAR) + i] = expected(Sinusoid(1.0, frequency), longest)
-    if position is not None:
-        columns[:, -1] = exponentials_of(np.array([time_at(problem, position)]), longest)[0]
+        if powers[len(LINEAR) + i] > 0.0:
+            columns[:, :, len(LINEAR) + i] = expected(Sinusoid(1.0, frequency), longest)
+    if powers[-1] > 0.0:
+        own, of = np.unique(positions, return_inverse=True)
+        columns[:, :, -1] = exponentials_of(np.array([time_at(problem, one) for one in own.tolist()]), longest)[of]
     return columns
 
 
@@ -247,20 +248,33 @@ def wide_intervals(
     problem: Problem, fitted: Fitted, ats: Sequence[int], names: tuple[str, ...], stretches: Sequence[float], p: float
 ) -> list[Interval]:
     """Return intervals of powers with more terms free than were chosen; they hold what was estimated [unit^2]."""
-    target, found = float(special.chdtri(1.0, 1.0 - p)), np.empty((len(ats), 2))
-    at, stretch, free = np.array(ats), np.array(stretches), terms_wanted(names, len(problem.lines))
+    return wide_of_many(Stack((problem,)), [fitted], ats, [names], np.array([stretches]), p)[0]
 
-    def fill(plain: Arrays, beside: Arrays, beside_at: float, there: NDArray[np.bool_], first: int, to: Array) -> int:
-        return fill_ends(
-            problem.arrays, problem.misfit, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there, free,
-            fitted.powers, fitted.position, fitted.cost, at, stretch, target, FIRST_STEP, WIDEST, first, found, to,
+
+def wide_of_many(
+    stack: Stack, fits: Sequence[Fitted], ats: Sequence[int], names: Sequence[tuple[str, ...]], stretches: Array,
+    p: float,
+) -> list[list[Interval]]:  # fmt: skip
+    """Return the same of fits of the same terms; stretches of shape (n, number of powers)."""
+    target, found = float(special.chdtri(1.0, 1.0 - p)), np.empty((len(stack), len(ats), 2))
+    at, lines = np.array(ats, np.int64), len(stack.problems[0].lines)
+    free = np.array([terms_wanted(one, lines) for one in names])
+    powers, fitted = np.array([one.powers for one in fits]), np.array([one[1:] for one in fits])
+    stretches = np.ascontiguousarray(stretches)
+
+    def fill(
+        places: Indices, steps: Indices, plain: Arrays, beside: Arrays, beside_at: Array, there: NDArray[np.bool_],
+        ended: Array,
+    ) -> None:  # fmt: skip
+        end_each(
+            places, steps, stack.shared, stack.found, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
+            free, powers, fitted, at, stretches, target, FIRST_STEP, WIDEST, found, ended,
         )  # fmt: skip
 
-    complete(problem, fill, 2 * len(ats), fitted)
-    none = np.isnan(found).tolist()
+    complete(stack, fill, 2 * len(ats), powers, fitted[:, 0])
     return [
-        Interval(0.0 if low else lo, None if open_ else hi, p)
-        for (lo, hi), (low, open_) in zip(found.tolist(), none, strict=True)
+        [Interval(0.0 if math.isnan(lo) else lo, None if math.isnan(hi) else hi, p) for lo, hi in own]
+        for own in found.tolist()
     ]
 
 

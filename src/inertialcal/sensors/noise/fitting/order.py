@@ -21,10 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels_chain import fill_ranked
+from .._kernels_each import rank_each
 from ..terms import Quantization, RandomWalk, RateRamp
 from .likelihood import SPACINGS, Fitted, terms_wanted
 from .problem import GAUSS_MARKOV, LINEAR, Problem
+from .stack import Stack
 
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom
 PLAUSIBLE = 2.0 * PRICE  # worse by less than this, a choice may well be the true one
@@ -62,19 +63,25 @@ def choices(candidates: tuple[str, ...], lines: int) -> NDArray[np.bool_]:
     return np.array([terms_wanted(some, lines)[:-1] for some in found]).reshape(-1, len(NAMES) + lines)
 
 
-def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
-    """Return the different choices, best first.
+def ranked(stack: Stack, candidates: tuple[str, ...]) -> list[tuple[Choice, ...]]:
+    """Return the different choices of each series, best first.
 
     With Gauss-Markov noise, those are left out that could not be nearly best: no choice has less cost than all terms.
     """
-    lines = len(problem.lines)
-    powers, (positions, costs, criteria) = np.empty((MOST, len(problem.names) + 1)), np.empty((3, MOST))
-    count = fill_ranked(
-        problem.arrays, choices(candidates, lines), terms_wanted(candidates, lines), SPACINGS[:2], PRICE, NEARER,
-        powers, positions, costs, criteria,
+    first = stack.problems[0]
+    n, lines = len(stack), len(first.lines)
+    powers, (positions, costs, criteria) = np.empty((n, MOST, len(first.names) + 1)), np.empty((3, n, MOST))
+    counts = np.empty(n, np.int64)
+    rank_each(
+        stack.shared, stack.found, choices(candidates, lines), terms_wanted(candidates, lines), SPACINGS[:2], PRICE,
+        NEARER, powers, positions, costs, criteria, counts,
     )  # fmt: skip
-    own = named_each(powers[:count]), criteria[:count].tolist(), powers, positions.tolist(), costs.tolist()
-    return tuple(map(Choice, *own))
+    each = zip(counts.tolist(), criteria.tolist(), powers, positions.tolist(), costs.tolist(), strict=True)
+    bits = _bits(powers)
+    return [
+        tuple(map(Choice, map(_named, row[:count]), own[:count], rows, at, cost))
+        for row, (count, own, rows, at, cost) in zip(bits, each, strict=True)
+    ]
 
 
 @cache
@@ -85,14 +92,14 @@ def unknowns(terms: tuple[str, ...]) -> int:
 
 def present(fitted: Fitted) -> tuple[str, ...]:
     """Return the names of terms with a positive power; lines are not among them."""
-    return named_each(fitted.powers[None])[0]
+    return _named(_bits(fitted.powers[None, None])[0][0])
 
 
-def named_each(powers: Array) -> list[tuple[str, ...]]:
-    """Return the same of rows of powers, shape (c, p + 1)."""
+def _bits(powers: Array) -> list[list[int]]:
+    """Return which terms are there, as bits of `_named`, of powers of shape (n, c, p + 1)."""
     there = powers > 0.0
-    bits = there[:, : len(NAMES)] @ BITS + there[:, -1] * 2 ** len(NAMES)
-    return [_named(each) for each in bits.tolist()]
+    found: list[list[int]] = (there[..., : len(NAMES)] @ BITS + there[..., -1] * 2 ** len(NAMES)).tolist()
+    return found
 
 
 @cache

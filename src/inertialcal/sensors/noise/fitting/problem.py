@@ -73,8 +73,28 @@ class Problem:
         return max(run.length for run in self.runs)
 
 
+Sampling = tuple[float, float, bytes, bytes, bytes | None]  # What the unit terms of a run without a band hang on
+Taken = tuple[Sampling, bytes, Band | None, Band | None]  # With numbers of windows and what a filter leaves
+Shared = tuple[tuple[str, ...], Array, Array, Array]  # Names, columns, table and times of ``Problem``
+
+
 def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     """Return runs of one axis stacked, with the columns of all terms."""
+    if any(run.band is not None for run in runs):
+        names, columns, table, times = _columns_of(runs, tuple(lines))
+    else:
+        names, columns, table, times = _shared(tuple([run.taken[0] for run in runs]), tuple(lines))
+    variance = np.concatenate([run.variance for run in runs])
+    weight = np.concatenate([0.5 * run.edf for run in runs])
+    return Problem(tuple(runs), names, columns, table, times, tuple(lines), variance, weight)
+
+
+@lru_cache(16)  # records of one length share them
+def _shared(samplings: tuple[Sampling, ...], lines: tuple[float, ...]) -> Shared:
+    return _columns_of([_sampled(*one) for one in samplings], lines)
+
+
+def _columns_of(runs: Sequence[Run], lines: tuple[float, ...]) -> Shared:
     of_lines = [np.concatenate([expected(Sinusoid(1.0, one), run) for run in runs]) for one in lines]
     names = tuple(term.name for term in LINEAR) + tuple(f"line_{i}" for i in range(len(lines)))
     columns = np.ascontiguousarray(np.column_stack([np.concatenate([linear_columns(run) for run in runs]), *of_lines]))
@@ -82,10 +102,7 @@ def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     longest = max(float(run.tau[-1]) for run in runs)
     count = max(int(np.ceil(PER_E * np.log(2.0 * longest / shortest))), 4)
     times = shortest * np.exp(np.arange(count) / PER_E)
-    table = np.hstack([table_of(times, run) for run in runs])
-    variance = np.concatenate([run.variance for run in runs])
-    weight = np.concatenate([0.5 * run.edf for run in runs])
-    return Problem(tuple(runs), names, columns, table, times, tuple(lines), variance, weight)
+    return names, columns, np.hstack([table_of(times, run) for run in runs]), times
 
 
 def each_run(problem: Problem) -> tuple[Problem, ...]:
@@ -132,10 +149,6 @@ def linear_columns(run: Run) -> Array:
 def table_of(times: Array, run: Run) -> Array:
     """Return `exponentials_of` a run; not to be changed."""
     return exponentials_of(times, run) if run.band is not None else _table(times.tobytes(), *_sampling(run))
-
-
-Sampling = tuple[float, float, bytes, bytes, bytes | None]  # What the unit terms of a run without a band hang on
-Taken = tuple[Sampling, bytes, Band | None, Band | None]  # With numbers of windows and what a filter leaves
 
 
 def _sampling(run: Run) -> Sampling:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from .._kernels import Indices, fill_spread
-from ..terms import Phase, Sinusoid, Term, total_phase
+from ..terms import Phase, Sinusoid, Term, averaged_over, means_of_exponential, total_phase
 from .allan_covariance import Squares, squares_of
 from .filtered import SHAPE
 from .problem import COMPLETE, LINEAR, Run, Taken, run_that_took
@@ -62,7 +62,7 @@ def spread_of(runs: tuple[Run, ...], lines: tuple[float, ...]) -> Spread:
     return _of_linear(tuple([run.taken for run in runs]), lines)
 
 
-@lru_cache(16)  # records of one length share them
+@lru_cache(64)  # records of one length share them, but for what a filter may leave
 def _of_linear(taken: tuple[Taken, ...], lines: tuple[float, ...]) -> Spread:
     return _spread(taken, (*(term(1.0) for term in LINEAR), *(Sinusoid(1.0, one) for one in lines)))
 
@@ -81,7 +81,7 @@ def _spread(taken: tuple[Taken, ...], terms: tuple[Term, ...]) -> Spread:
     return Spread(
         np.concatenate([one.row + start for (one, *_), start in zip(each, starts, strict=True)]),
         np.concatenate([one.column + start for (one, *_), start in zip(each, starts, strict=True)]),
-        np.concatenate([one.values for one, *_ in each], axis=1),
+        each[0][0].values if len(each) == 1 else np.concatenate([one.values for one, *_ in each], axis=1),
         np.repeat(np.arange(len(runs)), sizes),
         np.array([run.band is not None for run in runs]),
         np.concatenate([lost for _, lost, _, _ in each], axis=1),
@@ -103,6 +103,33 @@ def _of_run(run: Run, terms: tuple[Term, ...]) -> tuple[Squares, Array, Array, A
     taken = lost[:, 0] * run.m[0] ** 2 / 3.0
     left = [one + Phase(point=-float(more)) for one, more in zip(phases, taken, strict=True)]
     return squares_of(left, run.m, run.n, run.inflation), lost, by, run.band.doubt
+
+
+def spreads_beside(runs: Sequence[Run], terms: tuple[Term, ...], times: Array) -> Arrays:
+    """Return what `spread_with` gives of linear terms and Gauss-Markov noise of a time each, with a leading axis.
+
+    Runs are of one sampling, without a band, one each problem.
+    """
+    first, k, q = runs[0], len(runs[0].m), len(terms) + 1
+    ends = 0.0 if first.ends is None else float(np.max((first.ends - COMPLETE) / first.m))
+    phases = tuple([_phase(term, first.interval, first.averaging, ends) for term in terms])
+    own, of = np.unique(times, return_inverse=True)
+    averaging = averaged_over(first.interval, first.averaging)
+    point, linear, size = means_of_exponential(averaging / own, first.interval / own)
+    linear = linear + point * ends
+    u = first.interval / own
+    markov = [Phase(a, b, exponentials=((c, d),) if c > 0.0 else ()) for a, b, c, d in
+              zip(point.tolist(), linear.tolist(), size.tolist(), u.tolist(), strict=True)]  # fmt: skip
+    squares = [squares_of((*phases, one), first.m, first.n, first.inflation) for one in markov]
+    lost = np.zeros((len(runs), q, k))
+    for i, run in enumerate(runs):
+        if run.unseen is not None:
+            lost[i] = run.unseen.lost((*phases, markov[of[i]]), run.m)
+    values = np.array([one.values for one in squares])
+    return (
+        values[of] if len(own) > 1 else values, squares[0].row, squares[0].column, np.zeros(k, np.int64),
+        np.zeros(1, np.bool_), lost, np.zeros((1, q, k, 2)), np.zeros((1, 1, 2, 2)),
+    )  # fmt: skip
 
 
 @lru_cache(64)
