@@ -277,8 +277,8 @@ MUTANTS = (
     ),
     Mutant(
         "two_levels.py",
-        "        chi_square,\n        n - p,",
-        "        chi_square,\n        n,",
+        "            chi_square,\n            n - p,",
+        "            chi_square,\n            n,",
         "test_two_levels",
     ),
     Mutant(
@@ -1280,14 +1280,14 @@ MUTANTS = (
     ),
     Mutant(
         "accelerometer.py",
-        "derivative[:9, column] = -np.outer(A[:, i], A[j]).ravel() / g",
-        "derivative[:9, column] = -np.outer(A[i], A[:, j]).ravel() / g",
+        "each = A[..., :, i, None] * A[..., None, j, :]",
+        "each = A[..., i, :, None] * A[..., None, :, j]",
         "test_positions_sphere test_positions_propagation",
     ),
     Mutant(
         "accelerometer.py",
-        "return np.asarray(np.sum((u @ T) ** 2 * inside, axis=1))",
-        "return np.asarray(np.sum((u @ T.T) ** 2 * inside, axis=1))",
+        "return np.asarray(np.sum((u @ T) ** 2 * inside, axis=-1))",
+        "return np.asarray(np.sum((u @ T.swapaxes(-1, -2)) ** 2 * inside, axis=-1))",
         "test_positions_sphere test_positions_propagation test_positions_simulated",
     ),
     Mutant("gyro.py", "-np.kron(A, A.T)", "-np.kron(A.T, A)", "test_positions_propagation test_positions_rotations"),

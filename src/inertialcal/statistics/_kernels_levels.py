@@ -235,6 +235,56 @@ def solve_levels(
 
 
 @reordered
+def settled_squares(known: Array, pull: Array, start: Array, least: Array, found: Array) -> None:
+    """Fill what `settled_square` returns of each set: rows of the contrasts, and a number a set."""
+    for k in range(len(found)):
+        found[k] = settled_square(known[k], pull[k], start[k], least[k])
+
+
+@reordered
+def solve_many_levels(
+    design: Array, y: Array, sources: Array, is_diagonal: bool, square: Array, coefficients: Array, bare: Array,
+    gain: Array, projector: Array, residuals: Array, parts: Array, between: Array, deletion: Array, judged: Array,
+) -> None:  # fmt: skip
+    """Fill what `solve_levels` fills, set by set along the first axis; ``judged``, shape (sets, 2): what it returns."""
+    for k in range(len(design)):
+        judged[k, 0], judged[k, 1] = solve_levels(
+            design[k], y[k], sources[k], is_diagonal, square[k], coefficients[k], bare[k], gain[k], projector[k],
+            residuals[k], parts[k], between[k], deletion[k],
+        )  # fmt: skip
+
+
+@reordered
+def weighted_squares(design: Array, y: Array, V: Array) -> float:
+    """Return the sum of squared residuals of the fit that the covariance V weighs best; NaN where there is none."""
+    n, p = design.shape
+    inverse, root = np.empty((n, n)), np.empty((n, n))
+    if np.isnan(inverse_of(V, root, inverse)):
+        return np.nan
+    normal, target, small, bare = np.zeros((p, p)), np.zeros(p), np.empty((p, p)), np.empty((p, p))
+    for i in range(n):
+        for k in range(n):
+            share = inverse[i, k]
+            if share != 0.0:
+                for a in range(p):
+                    target[a] += design[i, a] * share * y[k]
+                    for b in range(a + 1):
+                        normal[a, b] += design[i, a] * share * design[k, b]
+    if np.isnan(inverse_of(normal, small, bare)):
+        return np.nan
+    residuals = y.copy()
+    for i in range(n):
+        for a in range(p):
+            for b in range(p):
+                residuals[i] -= design[i, a] * bare[a, b] * target[b]
+    total = 0.0
+    for i in range(n):
+        for k in range(n):
+            total += residuals[i] * inverse[i, k] * residuals[k]
+    return total
+
+
+@reordered
 def _joined(moved: Array, gain: Array, part: Array) -> None:
     """Fill the symmetric product of both."""
     for a in range(len(gain)):

@@ -29,7 +29,7 @@ from scipy import special
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from ._kernels_levels import settled_square, solve_levels, square_at
+from ._kernels_levels import settled_squares, solve_many_levels, square_at, weighted_squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,11 @@ class TwoLevels:
     @cached_property
     def chi_square_known(self) -> float:
         """Weighted by the known covariances alone; NaN where these do not reach every reading."""
-        return _known_chi_square(
-            self.design, self.readings, sum(self.known.values(), np.zeros((len(self.design),) * 2))
-        )
+        n, p = self.design.shape
+        fixed = sum(self.known.values(), np.zeros((n, n)))
+        if n == p or not (fixed.diagonal() > 0.0).all():
+            return float("nan")
+        return weighted_squares(np.ascontiguousarray(self.design), np.ascontiguousarray(self.readings), fixed)
 
     @property
     def hidden(self) -> float:
@@ -115,22 +117,67 @@ def fit_two_levels(
         ``no_dof`` where n is p and the scatter between readings is not given; ``no_scatter`` if nothing scatters at
         all, or some readings would be exact.
     """
-    n, p = design.shape
+    found = fit_many_levels(design[None], readings[None], {name: part[None] for name, part in known.items()}, between)[
+        0
+    ]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+def fit_many_levels(
+    design: Array, readings: Array, known: Mapping[str, Array], between: float | None = None
+) -> list[TwoLevels | DataError]:
+    """Return the fit of each of many sets of readings, or why it is refused: as `fit_two_levels` gives it of each.
+
+    Parameters
+    ----------
+    design : ndarray, shape (sets, n, p)
+        A column a coefficient, of full rank.
+    readings : ndarray, shape (sets, n)
+        In one unit.
+    known : mapping of str to ndarray, shape (sets, n) or (sets, n, n)
+        Variances, or covariance, of each known source [unit of the readings squared].
+    between : float, optional
+        tau of all, where it is known [unit of the readings].
+
+    Raises
+    ------
+    DataError
+        ``no_dof``, of all sets alike.
+    """
+    sets, n, p = design.shape
     if n < p or (n == p and between is None):
         raise DataError(
             f"{n} readings for {p} unknowns leave no scatter to judge them by",
             do="Take more readings",
             code="no_dof",
         )
-    sources = {name: np.diag(part) if part.ndim == 1 else part for name, part in known.items()}
-    fixed = sum(sources.values(), np.zeros((n, n)))
-    square, contrasts = (between**2, None) if between is not None else _restricted(design, readings, fixed)
-    is_diagonal = all(part.ndim == 1 for part in known.values())
-    size = np.sort(fixed.diagonal()) + square if is_diagonal else np.linalg.eigvalsh(fixed + square * np.eye(n))
-    if not size[0] > n * np.finfo(float).eps * size[-1]:
+    design, readings = np.ascontiguousarray(design), np.ascontiguousarray(readings)
+    sources, diagonal = np.zeros((sets, len(known), n, n)), np.arange(n)
+    for s, part in enumerate(known.values()):
+        if part.ndim == 2:
+            sources[:, s, diagonal, diagonal] = part
+        else:
+            sources[:, s] = part
+    is_diagonal = all(part.ndim == 2 for part in known.values())
+    fixed = sources.sum(axis=1)
+    squares, contrasts = np.full(sets, 0.0 if between is None else between**2), None
+    refused: dict[int, DataError] = {}
+    if between is None:
+        contrasts = _contrasts(design, readings, fixed, squares)
+        for k in np.flatnonzero(contrasts[2] <= 0.0):
+            what = "the readings do not scatter at all"
+            refused[int(k)] = DataError(what, do="Check for copied or rounded readings", code="no_scatter")
+    if is_diagonal:
+        sizes = fixed[:, diagonal, diagonal] + squares[:, None]
+        least, most = sizes.min(axis=1), sizes.max(axis=1)
+    else:
+        least, most = np.linalg.eigvalsh(fixed + squares[:, None, None] * np.eye(n))[:, [0, -1]].T
+    for k in np.flatnonzero(~(least > n * np.finfo(float).eps * most)):
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
-        raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
-    return _solved(design, readings, sources, is_diagonal, square, contrasts)
+        refused.setdefault(int(k), DataError(what, do="Check for copied or rounded readings", code="no_scatter"))
+    return _solved(design, readings, known, sources, is_diagonal, squares, contrasts, refused)
 
 
 def fit_with_prior(
@@ -224,22 +271,24 @@ def with_gain(fit: TwoLevels, gain: Array, by_scatter: Array) -> TwoLevels:
     )  # fmt: skip
 
 
-def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[Array, Array, float]]:
-    """Variance between readings by restricted maximum likelihood, never below zero, and the contrasts behind it."""
-    n, p = design.shape
-    free = np.linalg.qr(design, mode="complete")[0][:, p:]  # P = free (free' V free)^-1 free', for every tau
-    away = free.T @ readings
-    total = float(away @ away) / (n - p)
-    largest = max(total, float(np.trace(fixed)) / n)
-    if largest <= 0.0:
-        raise DataError(
-            "the readings do not scatter at all", do="Check for copied or rounded readings", code="no_scatter"
-        )
-    square = max(total - float(np.trace(fixed)) / n, 1e-3 * largest)
-    known, axes = np.linalg.eigh(free.T @ fixed @ free)
-    pull = (axes.T @ away) ** 2
-    least = max(total, float(known[0]))  # a prior may be wider than all that the readings show
-    return settled_square(known, pull, square, least), (np.maximum(known, 0.0), pull, largest)
+def _contrasts(design: Array, readings: Array, fixed: Array, squares: Array) -> tuple[Array, Array, Array]:
+    """Fill the variances between readings by restricted maximum likelihood, never below zero.
+
+    Return the contrasts behind each, shape (sets, n - p): their known variances and their squares; the largest
+    variance, shape (sets,).
+    """
+    _, n, p = design.shape
+    free = np.linalg.qr(design, mode="complete")[0][:, :, p:]  # P = free (free' V free)^-1 free', for every tau
+    across = free.swapaxes(1, 2)
+    away = (across @ readings[:, :, None])[:, :, 0]
+    total, noise = np.sum(away * away, axis=1) / (n - p), np.trace(fixed, axis1=1, axis2=2) / n
+    largest = np.maximum(total, noise)
+    start = np.maximum(total - noise, 1e-3 * largest)
+    known, axes = np.linalg.eigh(across @ fixed @ free)
+    pull = (axes.swapaxes(1, 2) @ away[:, :, None])[:, :, 0] ** 2
+    least = np.maximum(total, known[:, 0])  # a prior may be wider than all that the readings show
+    settled_squares(known, pull, start, least, squares)
+    return np.maximum(known, 0.0), pull, largest
 
 
 def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
@@ -254,12 +303,6 @@ def _quantiles(dof: int) -> tuple[float, ...]:
     return tuple(special.chdtri(dof, [0.025, 0.975]).tolist())
 
 
-def _projector(design: Array, fixed: Array, square: float) -> Array:
-    inverse = _inverse(fixed, square)
-    weighted = inverse @ design
-    return np.asarray(inverse - weighted @ np.linalg.solve(design.T @ weighted, weighted.T))
-
-
 def _inverse(fixed: Array, square: float) -> Array:
     return np.asarray(np.linalg.inv(fixed + square * np.eye(len(fixed))))
 
@@ -267,54 +310,51 @@ def _inverse(fixed: Array, square: float) -> Array:
 def _solved(
     design: Array,
     readings: Array,
-    sources: dict[str, Array],
+    known: Mapping[str, Array],
+    sources: Array,
     is_diagonal: bool,
-    square: float,
-    contrasts: tuple[Array, Array, float] | None,
-) -> TwoLevels:
-    (n, p), s = design.shape, len(sources)
-    coefficients, bare, gain, projector = np.empty(p), np.empty((p, p)), np.empty((p, n)), np.empty((n, n))
-    residuals, parts, between, deletion = np.empty(n), np.empty((s, p, p)), np.empty((p, p)), np.empty((2, n))
-    chi_square, information = solve_levels(
-        np.ascontiguousarray(design), np.ascontiguousarray(readings),
-        np.array([*sources.values()], dtype=np.float64).reshape(s, n, n), is_diagonal, square,
-        coefficients, bare, gain, projector, residuals, parts, between, deletion,
+    squares: Array,
+    contrasts: tuple[Array, Array, Array] | None,
+    refused: Mapping[int, DataError],
+) -> list[TwoLevels | DataError]:
+    (sets, n, p), s = design.shape, len(known)
+    coefficients, bare, gain = np.empty((sets, p)), np.empty((sets, p, p)), np.empty((sets, p, n))
+    projector, residuals, deletion = np.empty((sets, n, n)), np.empty((sets, n)), np.empty((sets, 2, n))
+    parts, between, judged = np.empty((sets, s, p, p)), np.empty((sets, p, p)), np.empty((sets, 2))
+    solve_many_levels(
+        design, readings, sources, is_diagonal, squares, coefficients, bare, gain, projector, residuals, parts,
+        between, deletion, judged,
     )  # fmt: skip
-    if information < 0.0:
-        raise np.linalg.LinAlgError("Singular matrix")
-    return TwoLevels(
-        coefficients,
-        bare,
-        dict(zip(sources, parts, strict=True)),
-        between,
-        contrasts,
-        information if contrasts is not None else np.inf,
-        float(np.sqrt(square)),
-        chi_square,
-        n - p,
-        deletion[0],
-        deletion[1],
-        residuals,
-        gain,
-        projector,
-        design,
-        readings,
-        sources,
-        gain,
-    )
+    tau, found = np.sqrt(squares).tolist(), list[TwoLevels | DataError]()
+    for k, (chi_square, information) in enumerate(judged.tolist()):
+        if k in refused:
+            found.append(refused[k])
+            continue
+        if information < 0.0:
+            raise np.linalg.LinAlgError("Singular matrix")
+        found.append(TwoLevels(
+            coefficients[k],
+            bare[k],
+            dict(zip(known, parts[k], strict=True)),
+            between[k],
+            None if contrasts is None else (contrasts[0][k], contrasts[1][k], float(contrasts[2][k])),
+            np.inf if contrasts is None else information,
+            tau[k],
+            chi_square,
+            n - p,
+            deletion[k, 0],
+            deletion[k, 1],
+            residuals[k],
+            gain[k],
+            projector[k],
+            design[k],
+            readings[k],
+            dict(zip(known, sources[k], strict=True)),
+            gain[k],
+        ))  # fmt: skip
+    return found
 
 
 def _part(gain: Array, covariance: Array) -> Array:
     whole = gain @ covariance @ gain.T
     return np.asarray(0.5 * (whole + whole.T))
-
-
-def _known_chi_square(design: Array, readings: Array, fixed: Array) -> float:
-    """Chi-square that the known covariances alone would give."""
-    if not np.all(np.diag(fixed) > 0.0) or len(readings) == design.shape[1]:
-        return float("nan")
-    try:
-        projector = _projector(design, fixed, 0.0)
-    except np.linalg.LinAlgError:
-        return float("nan")
-    return float(readings @ projector @ readings)

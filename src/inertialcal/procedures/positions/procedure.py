@@ -25,7 +25,7 @@ from .figures import FIGURES
 from .plan import HIGHEST_ORDER, INFLUENCES, FileSettings, Plan, Wanted
 
 if TYPE_CHECKING:
-    from ...core.errors import Problem
+    from ...core.errors import InertialcalError, Problem
     from ...core.key import Kind
     from ...core.recording import Recording
     from ...core.remarks import Remark
@@ -159,12 +159,18 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
         return reduce(plan, readings)
 
+    def reduce_many(self, tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+        """Return the same of many units, those with equal numbers of positions at once."""
+        from .reduction import reduce_many
+
+        return reduce_many(tests)
+
     def by_sensor(self, result: Result) -> Mapping[str, Result]:
         """Return the parts of the accelerometers and of the gyros."""
-        from dataclasses import replace
+        from ...core.results import changed
 
         kinds: tuple[Kind, ...] = ("accelerometer",) if result.gyro is None else ("accelerometer", "gyro")
-        return {kind: replace(result, sensor=kind) for kind in kinds}
+        return {kind: changed(result, sensor=kind) for kind in kinds}
 
     def truths(self, result: Result) -> Sequence[Row]:
         """Return the rows of all sensors."""
@@ -190,30 +196,27 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return the terms of one sensor."""
-        from ...sensors.model.sensor_model import Provenance
-        from ...sensors.model.terms import values
+        from ...core.key import AXES
+        from ...core.units import normalise
+        from ...sensors.model.sensor_model import INPUT_UNIT, Provenance
         from ..model_terms import ModelTerms
 
-        found = result.models.get(result.sensor)
-        over = result.acc.sensor.temperature if result.sensor == "accelerometer" else None
-        if result.estimate is None or found is None or found.estimate is None:
+        found = result.terms.get(result.sensor)
+        if result.estimate is None or found is None:
             return None
-        without = [one for one in found.parameters if one.name in found.not_estimated]
-        numbers = zip(without, values(without, found.terms), strict=True)
         keys, origin = found.estimate.keys, Provenance(tests[0].id, tests[0].recordings)
-        provenance = dict.fromkeys(keys, origin)
         return ModelTerms(
             found.estimate,
             keys,
-            found.axes,
-            provenance,
+            AXES,
+            dict.fromkeys(keys, origin),
             found.not_estimated,
-            {one.name: float(value) for one, value in numbers if value != 0.0},
+            found.values,
             found.scale_factor,
-            None if found.output_unit == found.unit else found.output_unit,
+            None if normalise(found.output_unit) == INPUT_UNIT[found.kind] else found.output_unit,
             found.input_range,
-            reference_temperature=None if over is None else over.reference,
-            temperature_range=None if over is None else over.range,
+            reference_temperature=None if found.over is None else found.over.reference,
+            temperature_range=None if found.over is None else found.over.range,
         )
 
     def held_out(

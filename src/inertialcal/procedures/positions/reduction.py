@@ -19,28 +19,30 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.curve import Curve
-from ...core.errors import DataError
+from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Array, Estimate
 from ...core.key import AXES, Kind, Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row, by_quantity
+from ...core.results import Row, by_quantity, changed
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import items
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from ..corrections import TakenOff
 from .checks import check_units, judged_scale, remarks_of, start_of
-from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
+from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_many_unknown, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import NO_SCALE, FittedGyro, fit_gyro, problem_of, without_scale
-from .fit.linear_sensor import after_corrections, rounded_scale, with_ideal
+from .fit.linear_sensor import LinearSensor, after_corrections, rounded_scale, with_ideal
 from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
 from .fit.over_temperature import at_reference, check_over_temperature, over_temperature
 from .fit.prior import Judgement, check_prior, fit_prior
@@ -49,7 +51,7 @@ from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
 from .readings import Readings, Rotation, Triad, by_axis, local_gravity
 from .recordings import Section, on_faces, readings_from
-from .rows import curves, estimate, model, rows, used_angles
+from .rows import Terms, curves, estimate_many, rows, terms_many, used_angles
 from .simulation import Truth, simulate
 
 __all__ = [
@@ -85,7 +87,7 @@ class Result:
     acc: Fitted  # Accelerometers, and how each position agrees
     gyro: FittedGyro | None  # Gyros, and how each rotation agrees; None where there are none
     estimates: Mapping[str, Estimate]  # ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI
-    models: Mapping[str, SensorModel]  # The same as models, for readings as they were recorded
+    terms: Mapping[str, Terms]  # The same as parameters of a model, for readings as they were recorded
     remarks: tuple[Remark, ...]  # Findings
     # Of each sensor: bias of a record that comes next, or why nothing says it
     next_record: Mapping[str, NextRecord | Reason] = field(default_factory=dict)
@@ -96,6 +98,11 @@ class Result:
     def estimate(self) -> Estimate | None:
         """Estimate of the sensor that this is the part of; None for the whole, and where nothing was estimated."""
         return self.estimates.get(self.sensor)
+
+    @cached_property
+    def models(self) -> Mapping[str, SensorModel]:
+        """``"accelerometer"``, ``"gyro"`` -> its model, for readings as they were recorded."""
+        return {kind: one.model for kind, one in self.terms.items()}
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI: sensor by sensor, which their keys name."""
@@ -136,57 +143,192 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     DataError
         ``too_few_positions``, ``unit_slip``, ``position_misnamed``, ``axes_disagree``, ``prior_without_ideal``.
     """
-    check_units(readings, local_gravity(plan))
-    check_names(readings)
-    # Fit against a scale factor near enough, then refer to the ideal one
+    found = reduce_many([(plan, readings)])[0]
+    if isinstance(found, InertialcalError):
+        raise found
+    return found
+
+
+@dataclass(eq=False)
+class _Unit:
+    """A unit at work: accelerometers fitted against a scale factor near enough, then referred to the ideal one."""
+
+    plan: Plan
+    readings: Readings  # At the reference temperature where that takes part
+    ideal: Array  # shape (3,): near enough
+    zero: Array  # shape (3,)
+    warm: list[Remark] = field(default_factory=list[Remark])
+    over: LinearSensor | None = None  # Over temperature
+    fitted: Fitted | None = None
+    prior: Judgement | None = None
+    acc: Fitted | None = None
+    gyro: FittedGyro | None = None
+    found: list[Remark] = field(default_factory=list[Remark])
+
+    @property
+    def simple(self) -> bool:
+        """Whether the lengths of the positions are all that is fitted, so that units alike are fitted at once."""
+        return not (self.plan.temperature_order or self.plan.priors or _is_known(self.readings))
+
+
+def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+    """Return the result of each unit as `reduce` gives it, or its refusal; units alike are fitted at once."""
+    results: list[Result | InertialcalError | None] = [None] * len(tests)
+    working: dict[int, _Unit] = {}
+    for k, (plan, readings) in enumerate(tests):
+        try:
+            working[k] = _begun(plan, readings)
+        except InertialcalError as error:
+            results[k] = error
+    alike: dict[tuple[int, int], list[int]] = {}
+    for k, unit in working.items():
+        alike.setdefault((id(unit.plan), len(unit.readings)) if unit.simple else (-1, k), []).append(k)
+    for at in alike.values():
+        _fit([working[k] for k in at], at, results)
+    for k, unit in working.items():
+        try:
+            if results[k] is None:
+                _refer(unit)
+        except InertialcalError as error:
+            results[k] = error
+    left = {k: unit for k, unit in working.items() if results[k] is None}
+    for k, estimated in zip(left, _estimated([*left.values()]), strict=True):
+        try:
+            results[k] = _result(left[k], *estimated)
+        except InertialcalError as error:
+            results[k] = error
+    return [one for one in results if one is not None]
+
+
+def _begun(plan: Plan, readings: Readings) -> _Unit:
+    """Look for mistakes of units and names; return what the readings are taken to.
+
+    Raises
+    ------
+    DataError
+        ``unit_slip``, ``position_misnamed``, ``axis_not_read``, ``too_few_positions``.
+    """
     g, si = local_gravity(plan), readings.acc.unit == "m/s^2"
+    check_units(readings, g)
+    check_names(readings)
     near, middle = _start(readings.acc.mean, g)
     ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
     zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
-    over, warm = None, list[Remark]()
-    if plan.temperature_order:
-        check_over_temperature(plan)
-        over, warm = over_temperature(plan, readings, lambda part: _accelerometers(plan, part, ideal, zero)[0])
-        readings = at_reference(over, readings)
-    fitted, prior = _accelerometers(plan, readings, ideal, zero)
-    if over is not None:
-        fitted = replace(fitted, sensor=over)
-    sensor = fitted.sensor
-    final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
-    acc = replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
-    gyro, found = _gyros(plan, readings, acc) if readings.gyro is not None else (None, [])
-    estimates: dict[str, Estimate] = {}
-    models: dict[str, SensorModel] = {}
-    fits: tuple[tuple[Kind, Fitted | FittedGyro | None, Triad | None, list[Array]], ...] = (
-        ("accelerometer", acc, readings.acc, [readings.acc.mean]),
-        ("gyro", gyro, readings.gyro, [one.gyro for one in readings.rotations]),
-    )
-    for kind, fit, triad, outputs in fits:
-        if fit is None or triad is None:
-            continue
-        x = np.concatenate([np.zeros((1, 3)), *(fit.sensor.applied(one) for one in outputs)])
-        input_range = np.column_stack([x.min(axis=0), x.max(axis=0)])
-        found_estimate = estimate(fit.sensor, kind, triad.unit)
-        found_model = model(fit.sensor, kind, triad.unit, input_range, found_estimate)
-        if found_estimate is not None and found_model is not None:
-            estimates[kind], models[kind] = found_estimate, found_model
-    if prior is not None:
-        alone = with_ideal(prior.without.sensor, final, by_axis(plan.acc_zero, 0.0))
-        prior = replace(prior, without=replace(prior.without, sensor=alone))
-    bare = Result(plan, readings, acc, gyro, estimates, models, (), prior=prior)
-    remarks = gather([*readings.remarks, *missing_faces(readings), *warm, *found, *remarks_of(bare)])
+    if not plan.temperature_order:
+        return _Unit(plan, readings, ideal, zero)
+    check_over_temperature(plan)
+    over, warm = over_temperature(plan, readings, lambda part: _accelerometers(plan, part, ideal, zero)[0])
+    return _Unit(plan, at_reference(over, readings), ideal, zero, warm, over)
+
+
+def _fit(units: Sequence[_Unit], at: Sequence[int], results: list[Result | InertialcalError | None]) -> None:
+    """Fit the accelerometers of units, at once where there are several; note who is refused."""
+    if len(units) > 1:
+        try:
+            made = fit_many_unknown(
+                units[0].plan, [one.readings.acc for one in units], [one.ideal for one in units],
+                [one.zero for one in units],
+            )  # fmt: skip
+        except (InertialcalError, np.linalg.LinAlgError):  # of one of them: which, the units by themselves say
+            for k, unit in zip(at, units, strict=True):
+                _fit([unit], [k], results)
+            return
+        for k, unit, one in zip(at, units, made, strict=True):
+            if isinstance(one, DataError):
+                results[k] = one
+            else:
+                unit.fitted = _after_corrections(one, unit.readings.taken_off.get("accelerometer", {}))
+        return
+    unit = units[0]
+    try:
+        unit.fitted, unit.prior = _accelerometers(unit.plan, unit.readings, unit.ideal, unit.zero)
+    except InertialcalError as error:
+        results[at[0]] = error
+
+
+def _refer(unit: _Unit) -> None:
+    """Refer accelerometers to their ideal scale factor, and fit gyros."""
+    plan, readings, fitted = unit.plan, unit.readings, unit.fitted
+    assert fitted is not None  # noqa: S101 - else it is refused
+    if unit.over is not None:
+        fitted = unit.fitted = replace(fitted, sensor=unit.over)
+    sensor, known = fitted.sensor, readings.acc.unit == "m/s^2" or plan.acc_scale_factor
+    final = unit.ideal if known else rounded_scale(sensor, np.ones(3, dtype=bool))
+    zero = by_axis(plan.acc_zero, 0.0)
+    unit.acc = changed(fitted, sensor=with_ideal(sensor, final, zero))
+    if unit.prior is not None:
+        alone = with_ideal(unit.prior.without.sensor, final, zero)
+        unit.prior = replace(unit.prior, without=replace(unit.prior.without, sensor=alone))
+    if readings.gyro is not None:
+        unit.gyro, unit.found = _gyros(plan, readings, unit.acc)
+
+
+def _estimated(units: Sequence[_Unit]) -> list[tuple[dict[str, Estimate], dict[str, Terms]]]:
+    """Return estimates and parameters of models of all sensors of each unit, by their kind."""
+    places: list[tuple[int, Kind]] = []
+    given: list[tuple[LinearSensor, Kind, str, Array]] = []
+    for k, unit in enumerate(units):
+        readings = unit.readings
+        fits: tuple[tuple[Kind, Fitted | FittedGyro | None, Triad | None, list[Array]], ...] = (
+            ("accelerometer", unit.acc, readings.acc, [readings.acc.mean]),
+            ("gyro", unit.gyro, readings.gyro, [one.gyro for one in readings.rotations]),
+        )
+        for kind, fit, triad, outputs in fits:
+            if fit is None or triad is None:
+                continue
+            ends = np.zeros((3, 2))
+            for one in outputs:
+                x = fit.sensor.applied(one)
+                if len(x):
+                    ends[:, 0] = np.minimum(ends[:, 0], x.min(axis=0))
+                    ends[:, 1] = np.maximum(ends[:, 1], x.max(axis=0))
+            places.append((k, kind))
+            given.append((fit.sensor, kind, triad.unit, ends))
+    estimates = estimate_many([one[:3] for one in given])
+    found: list[tuple[dict[str, Estimate], dict[str, Terms]]] = [({}, {}) for _ in units]
+    for (k, kind), estimated, terms in zip(places, estimates, terms_many(given, estimates), strict=True):
+        if estimated is not None and terms is not None:
+            found[k][0][kind], found[k][1][kind] = estimated, terms
+    return found
+
+
+def _result(unit: _Unit, estimates: Mapping[str, Estimate], terms: Mapping[str, Terms]) -> Result:
+    """Return what was found of a unit.
+
+    Raises
+    ------
+    DataError
+        If a parameter can be that of no sensor.
+    """
+    readings, fitted, acc, gyro = unit.readings, unit.fitted, unit.acc, unit.gyro
+    assert fitted is not None  # noqa: S101 - else it is refused
+    assert acc is not None  # noqa: S101
+    for one in terms.values():
+        if not one.is_possible:
+            _ = one.model  # refuses it, and says why
+    bare = Result(unit.plan, readings, acc, gyro, estimates, terms, (), prior=unit.prior)
+    remarks = gather([*readings.remarks, *missing_faces(readings), *unit.warm, *unit.found, *remarks_of(bare)])
     onward: dict[str, NextRecord | Reason] = {"accelerometer": _next_accelerometers(readings, fitted, acc)}
     if gyro is not None:
         unscaled = NO_SCALE in gyro.sensor.reasons.values()
         onward["gyro"] = NO_SCALE if unscaled else _next_gyros(readings, gyro)
-    return replace(bare, remarks=remarks, next_record=onward)
+    return changed(bare, remarks=remarks, next_record=onward)
+
+
+def _is_known(readings: Readings) -> bool:
+    """Return whether enough positions are of known orientation."""
+    return readings.direction is not None and bool(np.sum(_named(readings.direction)) >= FEWEST)
+
+
+def _named(direction: Array) -> NDArray[np.bool_]:
+    return np.asarray(np.isfinite(direction).all(axis=-1), dtype=np.bool_)
 
 
 def _accelerometers(plan: Plan, readings: Readings, ideal: Array, zero: Array) -> tuple[Fitted, Judgement | None]:
     """Return the accelerometers of positions at one temperature, and how a stated prior agrees."""
     direction, prior = readings.direction, None
-    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
-    if direction is not None and np.sum(named) >= FEWEST:
+    if direction is not None and _is_known(readings):
+        named = _named(direction)
         fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
     else:
         check_prior(plan, readings.acc.unit == "m/s^2")

@@ -6,25 +6,27 @@ The sensor of the key says whose: ``accelerometer`` or ``gyro``.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from scipy import linalg
 
 from ...core.curve import Column, Curve
-from ...core.estimate import Array, Component, Estimate
+from ...core.estimate import Array, Component, Estimate, joined_dof
 from ...core.key import AXES, Key, Kind, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import normalise
-from ...sensors.model.assemble import model_from
+from ...sensors.model.assemble import NOT_ESTIMATED, in_units, model_from, parameters_of
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import OF_FRAME, Fitted
 from .fit.fixture import FACE_FOUND, LAYING_FOUND
 from .fit.gyro import NOTHING_LEFT, FittedGyro, angles_left
-from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
+from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, OverTemperature, Source, with_ideal
 from .fit.rotations import across
 from .plan import INFLUENCES
 from .published import published_rows
@@ -41,6 +43,7 @@ SCALE = tuple(Key("scale_factor", a) for a in AXES)
 ERROR = "scale_factor_error"
 RELATIVE = {ERROR, "scale_factor_error_temperature", "cross_axis_sensitivity_temperature"}  # to a nominal scale factor
 NEGLIGIBLE = 0.01  # of the largest part of a variance, below which a part's degrees of freedom do not matter
+IN_REACH = 1e12  # of a parameter or input, up to which it is not looked at whether it can be
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
@@ -186,18 +189,25 @@ def units_of(kind: Kind, count: int) -> tuple[str, ...]:
     return (*matrix, *(unit,) * 3, *(normalise(f"({unit})/(m/s^2)"),) * 9)[:count]
 
 
-def quantities(sensor: LinearSensor) -> tuple[Array, Array]:
-    """Return the quantities, in the order of the numbers, and their derivatives by these."""
-    values, derivative = sensor.values.copy(), np.eye(len(sensor.values))
+def quantities(numbers: Array) -> tuple[Array, Array]:
+    """Return the quantities of sensors, in the order of their numbers, and their derivatives by these.
+
+    Parameters
+    ----------
+    numbers : ndarray, shape (..., q)
+        Of each sensor.
+    """
+    values, derivative = numbers.copy(), np.empty((*numbers.shape, numbers.shape[-1]))
+    derivative[:] = np.eye(numbers.shape[-1])
     for i in range(3):
-        own = sensor.values[4 * i]
-        values[4 * i] = own - 1.0
+        own = numbers[..., 4 * i]
+        values[..., 4 * i] = own - 1.0
         for j in range(3):
             if j != i:
                 at = 3 * i + j
-                values[at] = sensor.values[at] / own
-                derivative[at, at] = 1.0 / own
-                derivative[at, 4 * i] = -values[at] / own
+                values[..., at] = numbers[..., at] / own
+                derivative[..., at, at] = 1.0 / own
+                derivative[..., at, 4 * i] = -values[..., at] / own
     return values, derivative
 
 
@@ -213,56 +223,118 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
     output_unit : str
         Of the readings; where they are not in SI, scale factors in it come first.
     """
-    values, derivative = quantities(sensor)
-    names = [*MATRIX, *BIAS, *G_SENSITIVITY][: len(values)]
-    units = list(units_of(kind, len(values)))
-    own, sources = sensor.temperature, sensor.sources
-    if own is not None:
-        values, sources = np.concatenate([values, own.values.ravel()]), own.sources
-        derivative = linalg.block_diag(derivative, np.eye(own.values.size))
-        names, units = [*names, *own.keys], [*units, *own.units]
+    return estimate_many([(sensor, kind, output_unit)])[0]
+
+
+def estimate_many(given: Sequence[tuple[LinearSensor, Kind, str]]) -> list[Estimate | None]:
+    """Return what `estimate` gives of each of many sensors; those of which alike is known are worked out at once."""
+    alike: dict[object, list[int]] = {}
+    for k, (sensor, kind, unit) in enumerate(given):
+        own = sensor.temperature
+        sources = sensor.sources if own is None else own.sources
+        alike.setdefault(
+            (
+                kind, unit, len(sensor.values), tuple(sensor.reasons.items()), None if own is None else own.keys,
+                tuple((one.name, one.kind, one.level, id(one.influence), id(one.off), np.ndim(one.dof), one.unknowns,
+                       None if one.changes is None else len(one.changes)) for one in sources),
+            ),
+            [],
+        ).append(k)  # fmt: skip
+    found: list[Estimate | None] = [None] * len(given)
+    for at in alike.values():
+        _, kind, unit = given[at[0]]
+        for k, one in zip(at, _estimates([given[k][0] for k in at], kind, unit), strict=True):
+            found[k] = one
+    return found
+
+
+def _estimates(sensors: Sequence[LinearSensor], kind: Kind, output_unit: str) -> Sequence[Estimate | None]:
+    """Return the estimates of sensors of which the same is known, from the same sources."""
+    first, count = sensors[0], len(sensors)
+    values, derivative = quantities(np.array([one.values for one in sensors]))
+    names = [*MATRIX, *BIAS, *G_SENSITIVITY][: values.shape[1]]
+    units = list(units_of(kind, values.shape[1]))
+    each = [one.sources for one in sensors]
+    if first.temperature is not None:
+        over = [one.temperature for one in sensors if one.temperature is not None]
+        values = np.hstack([values, np.array([one.values.ravel() for one in over])])
+        more = over[0].values.size
+        derivative = np.array([linalg.block_diag(one, np.eye(more)) for one in derivative])
+        names, units = [*names, *over[0].keys], [*units, *over[0].units]
+        each = [one.sources for one in over]
     if output_unit != UNIT[kind]:
-        rows = np.zeros((3, len(values)))
-        rows[np.arange(3), 4 * np.arange(3)] = sensor.ideal
-        values = np.concatenate([sensor.ideal * np.diag(sensor.matrix), values])
-        derivative = np.vstack([rows, derivative])
+        rows = np.zeros((count, 3, derivative.shape[2]))
+        ideal = np.array([one.ideal for one in sensors])
+        rows[:, np.arange(3), 4 * np.arange(3)] = ideal
+        values = np.hstack([ideal * np.array([np.diag(one.matrix) for one in sensors]), values])
+        derivative = np.concatenate([rows, derivative], axis=1)
         names, units = [*SCALE, *names], [f"{output_unit}/({UNIT[kind]})"] * 3 + units
-    why = reasons(sensor)
+    why = reasons(first)
     determined = [k for k, name in enumerate(names) if not why.get(name)]
-    if not determined or not sources:
-        return None
-    by_numbers = derivative[determined]
-    components = []
-    for one in sources:
-        whole = by_numbers @ one.covariance @ by_numbers.T
-        size = np.diag(np.abs(by_numbers) @ np.abs(one.covariance) @ np.abs(by_numbers).T)
-        moved = np.diag(whole) > ROUNDING * size  # else by rounding alone
-        covariance = np.asarray(np.where(np.outer(moved, moved), 0.5 * (whole + whole.T), 0.0))
-        dof = np.asarray(one.dof, dtype=float)
-        parts = by_numbers**2 * np.diag(one.covariance)
-        matters = (by_numbers != 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=1, keepdims=True))
-        least: Array | float = (
-            float(dof) if not dof.ndim else np.array([dof[row].min(initial=np.inf) for row in matters])
+    if not determined or not each[0]:
+        return [None] * count
+    by_numbers = derivative[:, determined]
+    components = [_components([own[s] for own in each], by_numbers) for s in range(len(each[0]))]
+    keys, known_units = tuple(names[k] for k in determined), tuple(normalise(units[k]) for k in determined)
+    own_components = [*zip(*components, strict=True)]
+    variances = [np.array([one.covariance.diagonal() for one in own]).ravel() for own in components]
+    dofs = [np.array([np.broadcast_to(one.dof, len(keys)) for one in own]).ravel() for own in components]
+    joined = joined_dof(variances, dofs).reshape(count, -1)
+    made = [Estimate(keys, values[k, determined], known_units, own) for k, own in enumerate(own_components)]
+    for one, dof in zip(made, joined, strict=True):
+        one.__dict__["dof"] = dof
+    return made
+
+
+def _components(sources: Sequence[Source], by_numbers: Array) -> list[Component]:
+    """Return one source of the figures of many sensors, by its source of the numbers of each.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        Of each sensor.
+    by_numbers : ndarray, shape (sensors, k, q)
+        Derivatives of the figures by the numbers.
+    """
+    first, size_of = sources[0], np.abs(by_numbers)
+    covariance, back = np.array([one.covariance for one in sources]), by_numbers.swapaxes(1, 2)
+    whole = by_numbers @ covariance @ back
+    size = np.sum((size_of @ np.abs(covariance)) * size_of, axis=2)
+    moved = whole.diagonal(axis1=1, axis2=2) > ROUNDING * size  # else by rounding alone
+    covariances = np.where(moved[:, :, None] & moved[:, None], 0.5 * (whole + whole.swapaxes(1, 2)), 0.0)
+    least: Sequence[Array | float] = [np.inf if np.ndim(one.dof) else float(one.dof) for one in sources]
+    if np.ndim(first.dof):
+        parts = by_numbers**2 * covariance.diagonal(axis1=1, axis2=2)[:, None]
+        matters = (by_numbers != 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=2, keepdims=True))
+        dof = np.array([one.dof for one in sources], dtype=float)
+        least = [*np.where(matters, dof[:, None], np.inf).min(axis=2)]
+    known = first.off or first.influence
+    stated = None if known is None else known.stated
+    distribution = "t" if known is None else known.distribution
+    kind: Literal["A", "B"] = "B" if first.kind == "B" else "A"
+    origin = first.origin
+    changes: Sequence[Array | None] = [None] * len(sources)
+    if first.changes is not None:
+        changes = [*(np.array([one.changes for one in sources]) @ back)]
+    return [
+        Component(origin, kind, *each, stated, one, first.unknowns)
+        for each, one in zip(
+            ((c, dof, distribution) for c, dof in zip(covariances, least, strict=True)), changes, strict=True
         )
-        known = one.off or one.influence
-        stated = None if known is None else known.stated
-        distribution = "t" if known is None else known.distribution
-        kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
-        changes = None if one.changes is None else one.changes @ by_numbers.T
-        components.append(
-            Component(one.origin, kind_of, covariance, least, distribution, stated, changes, one.unknowns)
-        )
-    known_units = tuple(normalise(units[k]) for k in determined)
-    return Estimate(tuple(names[k] for k in determined), values[determined], known_units, tuple(components))
+    ]
 
 
 def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
     """Return why a quantity is not estimated, by its key."""
-    names = (*MATRIX, *BIAS, *G_SENSITIVITY)
-    found = {names[k]: reason for k, reason in sensor.reasons.items()}
-    if sensor.temperature is not None:
-        keys = sensor.temperature.keys
-        found |= {key: sensor.reasons[i % 12] for i, key in enumerate(keys) if i % 12 in sensor.reasons}
+    own = sensor.temperature
+    return _reasons(tuple(sensor.reasons.items()), () if own is None else own.keys)
+
+
+@lru_cache(maxsize=64)
+def _reasons(given: tuple[tuple[int, Reason], ...], over: tuple[Key, ...]) -> Mapping[Key, Reason]:
+    names, own = (*MATRIX, *BIAS, *G_SENSITIVITY), dict(given)
+    found = {names[k]: reason for k, reason in given}
+    found |= {key: own[i % 12] for i, key in enumerate(over) if i % 12 in own}
     for axis in AXES:
         reason = found.get(Key(ERROR, axis))
         if reason:
@@ -270,47 +342,93 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
             for other in AXES:
                 if other != axis:
                     found.setdefault(Key("misalignment", axis + other), reason)
-    return found
+    return MappingProxyType(found)
 
 
-def model(
-    sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array, of_zero: Estimate | None
-) -> SensorModel | None:
-    """Return the model for readings as they were recorded, their zero in the bias; None where nothing is determined.
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """Parameters of the model of a sensor, for readings as they were recorded: their zero is in the bias."""
+
+    kind: Kind  # What it senses
+    estimate: Estimate  # Parameters that are estimated
+    scale_factor: Array  # shape (3,): the ideal one [output unit/input unit]
+    output_unit: str  # Of the readings
+    input_range: Array  # shape (3, 2): least and largest input that was seen [input unit]
+    not_estimated: Mapping[str, str]  # Parameter without uncertainty -> why
+    values: Mapping[str, float]  # Those of them that are not 0
+    over: OverTemperature | None  # How they change with temperature
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether no number is larger than anything is, nor lost."""
+        sizes = np.abs([*self.estimate.values, *self.values.values(), *self.input_range.flat, *self.scale_factor])
+        return bool(sizes.max() < IN_REACH and np.abs(self.scale_factor).min() > 1.0 / IN_REACH)
+
+    @property
+    def model(self) -> SensorModel:
+        """The model."""
+        over: dict[str, Any] = {}
+        if self.over is not None:
+            over = {"reference_temperature": np.full(3, self.over.reference), "temperature_range": self.over.range}
+        return model_from(
+            self.estimate,
+            self.kind,
+            AXES,
+            scale_factor=self.scale_factor,
+            output_unit=self.output_unit,
+            input_range=self.input_range,
+            not_estimated=self.not_estimated,
+            values=self.values,
+            **over,
+        )
+
+
+def terms_many(
+    given: Sequence[tuple[LinearSensor, Kind, str, Array]], of_zero: Sequence[Estimate | None]
+) -> list[Terms | None]:
+    """Return the parameters of the models of many sensors; None where nothing is determined.
 
     Parameters
     ----------
-    sensor, kind, output_unit
-        As `estimate` takes them.
-    input_range : ndarray, shape (3, 2)
-        Least and largest input that was seen [input unit].
-    of_zero : Estimate or None
-        What `estimate` gives: that of the model, too, where the readings for no input are taken as zero.
+    given : sequence of (LinearSensor, kind, output unit, ndarray)
+        As `estimate_many` takes them, with least and largest input that was seen, shape (3, 2) [input unit].
+    of_zero : sequence of Estimate or None
+        What `estimate_many` gives: those of the models, too, where the readings for no input are taken as zero.
     """
-    raw = with_ideal(sensor, sensor.ideal, np.zeros(3)) if np.any(sensor.zero) else sensor
-    found = of_zero if raw is sensor else estimate(raw, kind, output_unit)
-    if found is None:
-        return None
+    raw = [with_ideal(one, one.ideal, np.zeros(3)) if one.zero.any() else one for one, *_ in given]
+    moved = [k for k, one in enumerate(raw) if one is not given[k][0]]
+    estimates = [*of_zero]
+    for k, one in zip(moved, estimate_many([(raw[k], *given[k][1:3]) for k in moved]), strict=True):
+        estimates[k] = one
+    return [
+        None if found is None else _terms(sensor, found, kind, unit, ends)
+        for sensor, found, (_, kind, unit, ends) in zip(raw, estimates, given, strict=True)
+    ]
+
+
+def _terms(sensor: LinearSensor, found: Estimate, kind: Kind, output_unit: str, input_range: Array) -> Terms:
     kept = [key for key in found.keys if key not in SCALE]
-    why = {str(key): reason.text for key, reason in reasons(raw).items() if key not in SCALE}
-    judged = {key for key, reason in reasons(raw).items() if reason.code != NOTHING_LEFT.code}
-    names, numbers = (*MATRIX, *BIAS, *G_SENSITIVITY), quantities(raw)[0]
-    own = sensor.temperature
-    over: dict[str, Any] = {}
-    if own is not None:
-        over = {"reference_temperature": np.full(3, own.reference), "temperature_range": own.range}
-    values = {str(key): float(one) for key, one in zip(names, numbers, strict=False) if key not in {*kept, *judged}}
-    return model_from(
-        found.select(kept),
-        kind,
-        AXES,
-        scale_factor=raw.ideal,
-        output_unit=output_unit,
-        input_range=input_range,
-        not_estimated=why,
-        values=values,
-        **over,
-    )
+    own = found.select(kept)
+    over = sensor.temperature
+    units, absent, free = _absent(own.names, kind, tuple(sensor.reasons.items()), () if over is None else over.keys)
+    held: dict[str, float] = {}
+    if free:
+        names = (str(key) for key in (*MATRIX, *BIAS, *G_SENSITIVITY))
+        numbers = zip(names, quantities(sensor.values)[0].tolist(), strict=False)
+        held = {name: one for name, one in numbers if name in free and one != 0.0}
+    return Terms(kind, in_units(own, units), sensor.ideal, output_unit, input_range, absent, held, over)
+
+
+@lru_cache(maxsize=64)  # the same of all units of which the same is known
+def _absent(
+    names: tuple[str, ...], kind: Kind, given: tuple[tuple[int, Reason], ...], over: tuple[Key, ...]
+) -> tuple[tuple[str, ...], Mapping[str, str], frozenset[str]]:
+    """Return the units of some parameters, why others are not among them, and which of those have a value even so."""
+    why = {str(key): reason for key, reason in _reasons(given, over).items() if key not in SCALE}
+    known = {one.name: one.unit for one in parameters_of(names, kind, AXES)}
+    texts = {name: why[name].text if name in why else NOT_ESTIMATED for name in known if name not in names}
+    free = {name for name in texts if name not in why or why[name].code == NOTHING_LEFT.code}
+    return tuple(known[name] for name in names), MappingProxyType(texts), frozenset(free)
 
 
 def curves(result: Result) -> list[Curve]:

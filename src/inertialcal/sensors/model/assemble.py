@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ...core.key import Kind
 from ...core.results import changed
 from ...core.units import factor
 from .sensitivity import PARTS, PRESSURE, ChannelReference, Sensitivity, quantity_of
-from .sensor_model import SensorModel
+from .sensor_model import INPUT_UNIT, SensorModel
 from .terms import (
     FORCE_AXES,
     PER_AXIS,
@@ -69,7 +70,7 @@ def model_from(
     refer = references or {}
     if PRESSURE in refer:
         fields = {"reference_pressure": refer[PRESSURE].value, "pressure_range": refer[PRESSURE].range} | fields
-    blank = _blank_terms(estimate, axes, refer)
+    blank = _blank_terms(estimate.names, axes, refer)
     sensitivities = blank.pop("sensitivities")
     arrays = {
         name: read_only_term(name, array, len(axes))
@@ -93,6 +94,14 @@ def model_from(
     fields |= {name: array for name, array in terms.items() if name in SHAPES}
     made = tuple(one.with_terms(terms) for one in sensitivities)
     return SensorModel(**fields, sensitivities=made, estimate=held, not_estimated=missing)
+
+
+@lru_cache(maxsize=64)
+def parameters_of(names: tuple[str, ...], kind: Kind, axes: tuple[str, ...]) -> tuple[Parameter, ...]:
+    """Return every parameter of the model that an estimate of these names gives, but sensitivities to channels."""
+    blank = _blank_terms(names, axes, {})
+    blank.pop("sensitivities")
+    return parameters(axes, INPUT_UNIT[kind], blank)
 
 
 def with_parameters(
@@ -125,10 +134,10 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
 
 
 def _blank_terms(
-    estimate: Estimate, axes: tuple[str, ...], references: Mapping[str, ChannelReference]
+    names: tuple[str, ...], axes: tuple[str, ...], references: Mapping[str, ChannelReference]
 ) -> dict[str, Any]:
     """Terms that the names ask for, without effect: M = I, zeros, time constants of 1 s."""
-    k, order = len(axes), orders(parameter_keys(estimate.names, axes))
+    k, order = len(axes), orders(parameter_keys(names, axes))
     matrix = np.zeros((order["matrix"] + 1, k, k))
     matrix[0] = np.eye(k)
     terms: dict[str, Any] = {"matrix": matrix, "bias": np.zeros(k)}
@@ -138,14 +147,14 @@ def _blank_terms(
         terms["bias_warm_up"] = np.zeros((order["bias_warm_up"], k))
         terms["warm_up_time"] = np.ones(order["bias_warm_up"])
     for field, (quantity, _) in PER_AXIS.items():
-        if field != "bias" and any(f"{quantity}_{axis}" in estimate.names for axis in axes):
+        if field != "bias" and any(f"{quantity}_{axis}" in names for axis in axes):
             terms[field] = np.zeros(k)
-    if any(key.quantity == "g_sensitivity" for key in parameter_keys(estimate.names, axes)):
+    if any(key.quantity == "g_sensitivity" for key in parameter_keys(names, axes)):
         terms["g_sensitivity"] = np.zeros((k, len(FORCE_AXES)))
     sensitivities = []
     for channel, one in references.items():
         wanted = {part: np.zeros(k) for part in PARTS if not (channel == PRESSURE and part == "bias")
-                  and any(f"{quantity_of(part, channel)}_{axis}" in estimate.names for axis in axes)}  # fmt: skip
+                  and any(f"{quantity_of(part, channel)}_{axis}" in names for axis in axes)}  # fmt: skip
         if wanted:
             between = None if channel == PRESSURE else one.range
             sensitivities.append(Sensitivity(channel, one.unit, one.value, range=between, **wanted))

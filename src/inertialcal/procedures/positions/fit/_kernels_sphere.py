@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....statistics._kernels import reordered
@@ -353,3 +354,37 @@ def _scatter(e: Array, inside: Array) -> float:
         for i in range(3):
             total += inside[k, i]
     return float(max(left, np.sqrt(total / (3.0 * len(inside)))))
+
+
+@reordered
+def fit_spheres(r: Array, inside: Array, g: float, lost: float, smallest: float, theta: Array, judged: Array) -> None:
+    """Fit each of many sets as `fit_sphere` does, along the first axis; ``judged``, (sets, 2): what it returns."""
+    for k in range(len(r)):
+        judged[k, 0], judged[k, 1] = fit_sphere(r[k], inside[k], g, lost, smallest, theta[k])
+
+
+@reordered
+def converge_all(r: Array, g: float, theta: Array, cut: Array, settled: NDArray[np.bool_]) -> None:
+    """Move each of many theta as `converge` does without weights and prior; fill what it returns."""
+    root, none = np.ones(r.shape[1]), np.empty(0)
+    for k in range(len(r)):
+        settled[k] = converge(r[k], g, root, theta[k], cut[k], none)
+
+
+@reordered
+def fill_many_lengths(theta: Array, r: Array, g: float, e: Array, jacobian: Array, u: Array) -> None:
+    """Fill what `fill_lengths` fills, set by set along the first axis."""
+    for k in range(len(r)):
+        fill_lengths(theta[k], r[k], g, e[k], jacobian[k], u[k])
+
+
+@reordered
+def fill_suspects(design: Array, readings: Array, limit: float, scales: Array, suspect: NDArray[np.bool_]) -> None:
+    """Fill the scatter about a robust fit of each of many sets, and the readings beyond so many times that."""
+    _, n, p = design.shape
+    found, residuals = np.empty(p), np.empty(n)
+    for k in range(len(readings)):
+        fill_tukey(design[k], readings[k], found, residuals)
+        scales[k] = robust_scale(residuals, n - p)
+        for i in range(n):
+            suspect[k, i] = abs(residuals[i]) > limit * scales[k]

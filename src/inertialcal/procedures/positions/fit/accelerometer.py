@@ -22,7 +22,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,10 +32,10 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.influence import Influence, Standards
 from ....core.key import AXES, Reason
-from ....statistics.two_levels import TwoLevels, fit_two_levels
+from ....statistics.two_levels import TwoLevels, fit_many_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
-from ._kernels_sphere import SETTLED, converge, fill_lengths, fit_sphere
+from ._kernels_sphere import SETTLED, converge, converge_all, fill_lengths, fill_many_lengths, fit_spheres
 from .fixture import BETWEEN, INSIDE, Laid, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
 from .linear_sensor import (
@@ -45,12 +45,13 @@ from .linear_sensor import (
     LinearSensor,
     Observability,
     Source,
-    level_sources,
+    many_level_sources,
     observe,
+    observe_many,
     propagated,
 )
 from .next_record import Wander
-from .outliers import found_outliers
+from .outliers import many_outliers
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
 NOT_TOLD = Reason("not_told", "these positions do not determine it")
@@ -212,46 +213,139 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     ideal, zero : ndarray, shape (3,)
         To which the readings are taken; near enough to the truth for the readings to lie about a sphere.
     """
-    m, g = len(triad.mean), local_gravity(plan)
+    found = fit_many_unknown(plan, [triad], [ideal], [zero])[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+def fit_many_unknown(
+    plan: Plan, triads: Sequence[Triad], ideals: Sequence[Array], zeros: Sequence[Array]
+) -> list[Fitted | DataError]:
+    """Return what `fit_unknown` gives of each of many units with equal numbers of positions, or why it is refused."""
+    m, g = len(triads[0].mean), local_gravity(plan)
     _check_count(m)
-    r, inside = normalised(triad, ideal, zero)
-    check_plane(r, g)
-    theta, scatter, cut = sphere(r, inside, g)
+    both = [normalised(*one) for one in zip(triads, ideals, zeros, strict=True)]
+    r, inside = np.array([one for one, _ in both]), np.array([one for _, one in both])
+    fitted: list[Fitted | DataError | None] = [*_in_one_plane(r, g)]
+    sound = np.flatnonzero([one is None for one in fitted])
+    if not len(sound):
+        return [one for one in fitted if one is not None]
+    r, inside = r[sound], inside[sound]
+    theta, scatter, cut = spheres(r, inside, g)
     e, jacobian, u = lengths(theta, r, g)
+    noise = variances(theta, u, inside, g)
+    outliers = np.zeros((len(sound), m), dtype=bool)
     observed = _observe(jacobian, scatter, g)
-    known = {INSIDE: variances(theta, u, inside, g)}
-    outliers = _outliers(plan, jacobian @ observed.kept, -e, known, np.arange(m))
-    kept = ~outliers
-    theta = converged(r[kept], g, np.ones(int(kept.sum())), theta, cut)
-    found, observed, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
+    for rank, at in _alike([one.rank for one in observed]):
+        if rank:
+            design = jacobian[at] @ np.array([observed[k].kept for k in at])
+            outliers[at] = many_outliers(design, -e[at], {INSIDE: noise[at]}, np.arange(m), plan.outlier_risk)
+    for _, at in _alike(outliers.sum(axis=1).tolist()):
+        kept = ~outliers[at]
+        used, noise_used = (np.asarray(x[at][kept].reshape(len(at), -1, 3)) for x in (r, inside))
+        end = np.empty((len(at), 9))
+        end[:] = theta[at]
+        settled = np.empty(len(at), dtype=bool)
+        converge_all(used, g, end, cut[at], settled)
+        if not settled.all():
+            raise np.linalg.LinAlgError(NO_LENGTH)
+        found, last = _second_level(used, noise_used, g, end, scatter[at])
+        for k, one in zip(at.tolist(), last, strict=True):
+            observed[k] = one
+        where = [(ideals[sound[k]], zeros[sound[k]]) for k in at]
+        judged = _judged(plan, r[at], inside[at], end, kept, found, last, where)
+        for k, whole in zip(sound[at].tolist(), judged, strict=True):
+            fitted[k] = whole
+    return [one for one in fitted if one is not None]
+
+
+def _alike(numbers: Sequence[int]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Yield each number that there is, and the places where it stands."""
+    every = np.asarray(numbers, dtype=np.int64)
+    for number in dict.fromkeys(every.tolist()):
+        yield number, np.flatnonzero(every == number)
+
+
+def _judged(
+    plan: Plan,
+    r: Array,
+    inside: Array,
+    theta: Array,
+    kept: Flags,
+    found: Sequence[TwoLevels | DataError | None],
+    observed: Sequence[Observability],
+    where: Sequence[tuple[Array, Array]],
+) -> list[Fitted | DataError]:
+    """Return the fits of units of as many positions each, from where the search ended and what judges it.
+
+    Parameters
+    ----------
+    plan : Plan
+        Gravity and standards.
+    r, inside : ndarray, shape (units, m, 3)
+        Readings of all positions in units of the input, and their variances by the noise inside.
+    theta : ndarray, shape (units, 9)
+        Scaled parameters.
+    kept : ndarray of bool, shape (units, m)
+        Positions that were fitted, as many in each unit.
+    found, observed
+        What `_second_level` gives.
+    where : sequence of (ndarray, ndarray)
+        Ideal scale factor and zero of each unit.
+    """
+    g = local_gravity(plan)
     e, jacobian, u = lengths(theta, r, g)
     values, to_values = forward(theta, g)
-    determined = determined_forward(observed.determined)
     noise = variances(theta, u, inside, g)
-    sources = wandering = per_reading = None
-    if found is not None:
-        per_reading = of_lengths(to_values @ observed.kept, found.gain, jacobian[kept], kept)
-        back = (to_values @ observed.kept)[9:]
-        place, loading = np.flatnonzero(kept), jacobian[kept, 6:]
-        seen = Wander(found.projector, found.residuals, found.free, found.between**2, place, loading)
-        inside_part = propagated(back, found.parts[INSIDE])
-        wandering = Wandering(seen, back @ found.gain, np.diag(inside_part))
-        sources = [
-            *sources_of(found, to_values @ observed.kept, plan.standards, noise[kept]),
-            *_undetermined(observed, to_values, g),
-        ]
-    sensor = sensor_of(plan, values, sources, determined, ideal, zero, of_frame=True)
-    fitted = finished(sensor, observed, outliers, e[:, None], found, known=False)
-    return replace(fitted, wandering=wandering, per_reading=per_reading)
+    sources: dict[int, list[Source]] = {}
+    gains: dict[int, tuple[Wandering | None, Array | None]] = {}
+    ranks = [one.rank if isinstance(fit, TwoLevels) else 0 for fit, one in zip(found, observed, strict=True)]
+    for rank, at in _alike(ranks):
+        if not rank:
+            continue
+        fits = [one for k in at if isinstance(one := found[k], TwoLevels)]
+        back = to_values[at] @ np.array([observed[k].kept for k in at])
+        fitted_jacobian = jacobian[at][kept[at]].reshape(len(at), -1, 9)
+        fitted_noise = noise[at][kept[at]].reshape(len(at), -1)
+        gain = back @ np.array([one.gain for one in fits])
+        numbers = np.zeros((len(at), 12, kept.shape[1], 3))
+        numbers.swapaxes(1, 2)[kept[at]] = (
+            (gain[..., None] * fitted_jacobian[:, None, :, 6:]).swapaxes(1, 2).reshape(-1, 12, 3)
+        )
+        own = propagated(back[:, 9:], np.array([one.parts[INSIDE] for one in fits])).diagonal(axis1=1, axis2=2)
+        each = many_sources(fits, back, plan.standards, fitted_noise)
+        for i, (k, fitted) in enumerate(zip(at.tolist(), fits, strict=True)):
+            place, loading = np.flatnonzero(kept[k]), fitted_jacobian[i, :, 6:]
+            seen = Wander(fitted.projector, fitted.residuals, fitted.free, fitted.between**2, place, loading)
+            gains[k] = Wandering(seen, gain[i, 9:], own[i]), numbers[i]
+            sources[k] = [*each[i], *_undetermined(observed[k], to_values[k], g)]
+    made: list[Fitted | DataError] = []
+    for k, (fit, one, (ideal, zero)) in enumerate(zip(found, observed, where, strict=True)):
+        if isinstance(fit, DataError):
+            made.append(fit)
+            continue
+        determined = determined_forward(one.determined)
+        sensor = sensor_of(plan, values[k], sources.get(k), determined, ideal, zero, of_frame=True)
+        wandering, per_reading = gains.get(k, (None, None))
+        made.append(finished(sensor, one, ~kept[k], e[k, :, None], fit, False, wandering, per_reading))
+    return made
+
+
+def spheres(r: Array, inside: Array, g: float) -> tuple[Array, Array, Array]:
+    """Return what `sphere` gives of many units, along the first axis."""
+    theta, judged = np.empty((len(r), 9)), np.empty((len(r), 2))
+    theta[:] = nominal(g)
+    fit_spheres(_rows(r), _rows(inside), g, LOST, SMALLEST, theta, judged)
+    if np.isnan(judged[:, 1]).any():
+        raise np.linalg.LinAlgError(NO_LENGTH)
+    return theta, judged[:, 0], judged[:, 1]
 
 
 def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
     """Return scaled parameters by a robust fit, the scatter of a length, and the singular value that is cut off."""
-    theta = nominal(g)
-    scatter, least = fit_sphere(_rows(r), _rows(inside), g, LOST, SMALLEST, theta)
-    if np.isnan(least):
-        raise np.linalg.LinAlgError(NO_LENGTH)
-    return theta, scatter, least
+    theta, scatter, cut = spheres(r[None], inside[None], g)
+    return theta[0], float(scatter[0]), float(cut[0])
 
 
 def among(fitted: Fitted, named: Flags) -> Fitted:
@@ -280,8 +374,8 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
     return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wandering=own, per_reading=gain)
 
 
-def _observe(jacobian: Array, scatter: float, g: float) -> Observability:
-    return observe(jacobian / g, NAMES, scatter / g, LOST)
+def _observe(jacobian: Array, scatter: Array, g: float) -> list[Observability]:
+    return observe_many(jacobian / g, NAMES, scatter / g, LOST)
 
 
 def _check_count(m: int) -> None:
@@ -294,37 +388,39 @@ def _check_count(m: int) -> None:
         )
 
 
-def _outliers(plan: Plan, design: Array, y: Array, known: Mapping[str, Array], group: NDArray[np.int64]) -> Flags:
-    if not design.shape[1]:
-        return np.zeros(int(group.max()) + 1, dtype=bool)
-    return found_outliers(design, y, known, group, plan.outlier_risk)
-
-
-def _two_levels(design: Array, y: Array, known: Mapping[str, Array], kept: Flags) -> TwoLevels | None:
-    """Fit what is kept; None where nothing is left to judge by."""
-    n, p = design.shape
-    if n <= p or not p:
-        return None
-    some = {name: part[kept] if part.ndim == 1 else part[np.ix_(kept, kept)] for name, part in known.items()}
-    return fit_two_levels(design, y, some)
-
-
 def _second_level(
-    r: Array, inside: Array, g: float, theta: Array, scatter: float
-) -> tuple[TwoLevels | None, Observability, Array]:
-    """Fit again with both levels of variance until nothing moves."""
-    everyone = np.ones(len(r), dtype=bool)
+    r: Array, inside: Array, g: float, theta: Array, scatter: Array
+) -> tuple[list[TwoLevels | DataError | None], list[Observability]]:
+    """Move the parameters of each unit, shape (units, 9), by fits with both levels of variance until nothing moves.
+
+    Return the last fit, None where nothing is left to judge by, and what is determined there.
+    """
+    units, n = r.shape[:2]
+    found: list[TwoLevels | DataError | None] = [None] * units
+    observed: dict[int, Observability] = {}
+    left = np.arange(units)
     for _ in range(10):
-        e, jacobian, u = lengths(theta, r, g)
-        observed = _observe(jacobian, scatter, g)
-        found = _two_levels(jacobian @ observed.kept, -e, {INSIDE: variances(theta, u, inside, g)}, everyone)
-        if found is None:
+        e, jacobian, u = lengths(theta[left], r[left], g)
+        noise, own = variances(theta[left], u, inside[left], g), _observe(jacobian, scatter[left], g)
+        observed |= zip(left.tolist(), own, strict=True)
+        moving = np.zeros(len(left), dtype=bool)
+        for rank, at in _alike([one.rank for one in own]):
+            if not 0 < rank < n:
+                for k in left[at]:
+                    found[k] = None
+                continue
+            design = jacobian[at] @ np.array([own[k].kept for k in at])
+            fits = fit_many_levels(design, -e[at], {INSIDE: noise[at]})
+            for k, fit in zip(at.tolist(), fits, strict=True):
+                found[left[k]] = fit
+                if isinstance(fit, TwoLevels):
+                    step = own[k].kept @ fit.coefficients
+                    theta[left[k]] += step
+                    moving[k] = not np.max(np.abs(step)) <= SETTLED * g
+        left = left[moving]
+        if not len(left):
             break
-        step = observed.kept @ found.coefficients
-        theta = theta + step
-        if np.max(np.abs(step)) <= SETTLED * g:
-            break
-    return found, observed, theta
+    return found, [observed[k] for k in range(units)]
 
 
 def _undetermined(observed: Observability, to_values: Array, g: float) -> list[Source]:
@@ -337,11 +433,17 @@ def _undetermined(observed: Observability, to_values: Array, g: float) -> list[S
 
 def sources_of(found: TwoLevels, back: Array, stated: Standards, noise: Array) -> list[Source]:
     """Return the sources of numbers; where next to nothing is left over, t counts even if no scatter shows."""
-    sources = level_sources(found, back, stated, BETWEEN)
-    free = max(1.0, found.information * float(np.mean(noise + found.between**2)) ** 2)
-    if free >= FEW_FREE:
-        return sources
-    return [one if one.kind == "B" else replace(one, dof=np.minimum(one.dof, free)) for one in sources]
+    return many_sources([found], back[None], stated, noise[None])[0]
+
+
+def many_sources(fits: Sequence[TwoLevels], back: Array, stated: Standards, noise: Array) -> list[list[Source]]:
+    """Return what `sources_of` gives of each of many fits of one shape; ``noise``, shape (fits, n)."""
+    sources = many_level_sources(fits, back, stated, BETWEEN)
+    for k, found in enumerate(fits):
+        free = max(1.0, found.information * float(np.mean(noise[k] + found.between**2)) ** 2)
+        if free < FEW_FREE:
+            sources[k] = [one if one.kind == "B" else replace(one, dof=np.minimum(one.dof, free)) for one in sources[k]]
+    return sources
 
 
 def sensor_of(
@@ -384,7 +486,14 @@ def mounting_source(values: Array, u: float, plan: Plan) -> Source:
 
 
 def finished(
-    sensor: LinearSensor, observed: Observability, outliers: Flags, away: Array, found: TwoLevels | None, known: bool
+    sensor: LinearSensor,
+    observed: Observability,
+    outliers: Flags,
+    away: Array,
+    found: TwoLevels | None,
+    known: bool,
+    wandering: Wandering | None = None,
+    per_reading: Array | None = None,
 ) -> Fitted:
     """Return a fit with how each position agrees."""
     deletion = np.full(away.shape, np.nan)
@@ -394,23 +503,31 @@ def finished(
     deletion[~outliers] = sign * found.deletion.reshape(-1, away.shape[1])
     deletion[outliers] = away[outliers]
     levels = (found.between, found.between_dof, found.between_interval, found.chi_square, found.chi_square_known)
-    return Fitted(sensor, observed, outliers, away, deletion, *levels, found.free, known)
+    return Fitted(sensor, observed, outliers, away, deletion, *levels, found.free, known, None, wandering, per_reading)
 
 
 def check_plane(r: Array, g: float) -> None:
     """Refuse positions that all lie in one plane: what is across it nobody sees."""
-    middle = r - r.mean(axis=0)
-    spread, axes = np.linalg.svd(middle / g, full_matrices=False)[1:]
-    if spread[-1] < PLANE * np.sqrt(len(r)):
+    if (problem := _in_one_plane(r[None], g)[0]) is not None:
+        raise problem
+
+
+def _in_one_plane(r: Array, g: float) -> list[DataError | None]:
+    """Return why each unit is refused whose positions lie in one plane; ``r``, shape (units, m, 3)."""
+    middle = r - r.mean(axis=1, keepdims=True)
+    spread, directions = np.linalg.svd(middle / g, full_matrices=False)[1:]
+    found: list[DataError | None] = [None] * len(r)
+    for k in np.flatnonzero(spread[:, -1] < PLANE * np.sqrt(r.shape[1])):
         across = ", ".join(
-            f"{value:+.2f} {axis}" for value, axis in zip(axes[-1], AXES, strict=True) if abs(value) > 0.1
+            f"{value:+.2f} {axis}" for value, axis in zip(directions[k, -1], AXES, strict=True) if abs(value) > 0.1
         )
-        raise DataError(
+        found[k] = DataError(
             f"all positions lie in one plane, across {across}",
             why="bias, scale factor and misalignment across it change no reading",
             do="Lay the unit so that each of its axes points up, and down, at least once",
             code="one_plane",
         )
+    return found
 
 
 def nominal(g: float) -> Array:
@@ -419,17 +536,20 @@ def nominal(g: float) -> Array:
 
 
 def parts(theta: Array, g: float) -> tuple[Array, Array]:
-    """Return T and b of scaled parameters."""
-    T = np.zeros(9)
-    T[FLAT] = theta[:6] / g
-    return T.reshape(3, 3), theta[6:]
+    """Return T and b of scaled parameters, shape (..., 9)."""
+    T = np.zeros(theta.shape)
+    T[..., FLAT] = theta[..., :6] / g
+    return T.reshape(*theta.shape[:-1], 3, 3), theta[..., 6:]
 
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
-    """Return errors of length (m,), derivatives by the scaled parameters (m, 9), unit vectors (m, 3)."""
-    m = len(r)
-    e, jacobian, u = np.empty(m), np.empty((m, 9)), np.empty((m, 3))
-    fill_lengths(theta, _rows(r), g, e, jacobian, u)
+    """Return errors of length (..., m), derivatives by the scaled parameters (..., m, 9), unit vectors (..., m, 3).
+
+    Of one unit, or of many along the first axis of parameters and readings.
+    """
+    e, jacobian, u = np.empty(r.shape[:-1]), np.empty((*r.shape[:-1], 9)), np.empty(r.shape)
+    fill = fill_lengths if r.ndim == 2 else fill_many_lengths
+    fill(_rows(theta), _rows(r), g, e, jacobian, u)
     return e, jacobian, u
 
 
@@ -461,20 +581,21 @@ def _rows(x: Array) -> Array:
 
 
 def variances(theta: Array, u: Array, inside: Array, g: float) -> Array:
-    """Return the variance of each length from the noise inside its position, shape (m,)."""
+    """Return the variance of each length from the noise inside its position, shape (..., m)."""
     T = parts(theta, g)[0]
-    return np.asarray(np.sum((u @ T) ** 2 * inside, axis=1))
+    return np.asarray(np.sum((u @ T) ** 2 * inside, axis=-1))
 
 
 def forward(theta: Array, g: float) -> tuple[Array, Array]:
-    """Return A = T^-1 and b as twelve values, and their derivatives by the scaled parameters, shape (12, 9)."""
+    """Return A = T^-1 and b as twelve values, and their derivatives by the scaled parameters, shape (..., 12, 9)."""
     T, b = parts(theta, g)
-    A = np.linalg.inv(T)
-    derivative = np.zeros((12, 9))
+    A, shape = np.linalg.inv(T), theta.shape[:-1]
+    derivative = np.zeros((*shape, 12, 9))
     for column, (i, j) in enumerate(LOWER):
-        derivative[:9, column] = -np.outer(A[:, i], A[j]).ravel() / g
-    derivative[9:, 6:] = np.eye(3)
-    return np.concatenate([A.ravel(), b]), derivative
+        each = A[..., :, i, None] * A[..., None, j, :]
+        derivative[..., :9, column] = -each.reshape(*shape, 9) / g
+    derivative[..., 9:, 6:] = np.eye(3)
+    return np.concatenate([A.reshape(*shape, 9), b], axis=-1), derivative
 
 
 def determined_forward(determined: Flags) -> Flags:

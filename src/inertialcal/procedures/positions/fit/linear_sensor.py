@@ -118,6 +118,8 @@ class LinearSensor:
 
 def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     """Return the same sensor relative to another ideal scale factor and zero."""
+    if np.array_equal(sensor.ideal, ideal) and np.array_equal(sensor.zero, zero):
+        return sensor
     ratio = sensor.ideal / ideal
     rows = np.concatenate([np.repeat(ratio, 3), ratio, np.repeat(ratio, 3)])[: len(sensor.values)]
     values = sensor.values * rows
@@ -182,28 +184,47 @@ def level_sources(
     share : float
         By which the variances of the known sources that are not stated are multiplied.
     """
-    parts = {name: propagated(back, part) for name, part in fit.parts.items()}
-    per_square = fit.by_between(back)
-    own = [np.diag(part) for name, part in parts.items() if name not in stated]
-    judged = sum(own, fit.between**2 * np.diag(per_square))
-    whole = np.diag(back @ fit.covariance @ back.T)
-    dof = fit.dof_of(back)
+    return many_level_sources([fit], back[None], stated, between, share)[0]
+
+
+def many_level_sources(
+    fits: Sequence[TwoLevels], back: Array, stated: Mapping[str, Influence], between: str, share: float = 1.0
+) -> list[list[Source]]:
+    """Return what `level_sources` gives of each of many fits of one shape; ``back``, shape (fits, q, p)."""
+    parts = {
+        name: propagated(back, np.array([one.parts[name] for one in fits])) for name in (fits[0].parts if fits else ())
+    }
+    moved = back @ np.array([one.by_scatter for one in fits])
+    per_square = moved @ moved.swapaxes(1, 2)
+    slope = per_square.diagonal(axis1=1, axis2=2)
+    square = np.array([[one.between**2] for one in fits])
+    own = [part.diagonal(axis1=1, axis2=2) for name, part in parts.items() if name not in stated]
+    judged = sum(own, square * slope)
+    whole = np.sum((back @ np.array([one.covariance for one in fits])) * back, axis=2)
+    information = np.array([[one.information] for one in fits])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = np.where(slope > 0.0, (whole / slope) ** 2 * information, np.inf)
     hidden = _ratio(whole, judged) ** 2 * dof < FEWEST
-    visible = _scatter(per_square, np.where(hidden, 0.0, fit.between**2))
-    unseen = _scatter(per_square, np.where(hidden, max(fit.hidden, fit.between**2), 0.0))
-    squares = np.array([np.diag(visible), *(share * one for one in own)])
+    visible = _scatter(per_square, np.where(hidden, 0.0, square))
+    bound = np.array([[max(one.hidden, one.between**2)] for one in fits])
+    unseen = _scatter(per_square, np.where(hidden, bound, 0.0))
+    squares = np.array([visible.diagonal(axis1=1, axis2=2), *(share * one for one in own)])
     shares = np.nan_to_num(squares / np.where(judged > 0.0, np.sum(squares, axis=0), 1.0))
-    each = dof_of_each(shares, np.where(hidden | (judged == 0.0), np.inf, dof))
-    found = [
-        Source(between, "A", visible, each),
-        Source(f"{between}, as much as may be hidden", "A", unseen, level=HIDDEN),
-    ]
-    for name, part in parts.items():
-        if name in stated:
-            found.append(Source(name, "B", part, np.inf, stated[name]))
-        else:
-            found.append(Source(name, "A", share * part, each))
-    return [one for one in found if np.any(np.diag(one.covariance) > 0.0)]
+    known = np.where(hidden | (judged == 0.0), np.inf, dof)
+    each = dof_of_each(shares.reshape(len(squares), -1), known.ravel()).reshape(known.shape)
+    found = []
+    for k in range(len(fits)):
+        own_sources = [
+            Source(between, "A", visible[k], each[k]),
+            Source(f"{between}, as much as may be hidden", "A", unseen[k], level=HIDDEN),
+        ]
+        for name, part in parts.items():
+            if name in stated:
+                own_sources.append(Source(name, "B", part[k], np.inf, stated[name]))
+            else:
+                own_sources.append(Source(name, "A", share * part[k], each[k]))
+        found.append([one for one in own_sources if (one.covariance.diagonal() > 0.0).any()])
+    return found
 
 
 def dof_of_each(shares: Array, dof: Array) -> Array:
@@ -241,25 +262,28 @@ def _falls_to_one(beyond: Callable[[Array], Array], low: float, high: Array) -> 
         value = np.log(beyond(np.exp(old)))
         endless, never = value > 0.0, np.isneginf(value)
         at = np.clip(old + value, below, above)  # it falls about as the inverse
+        done = endless | never
         for _ in range(SECANTS):
             new = np.log(beyond(np.exp(at)))
             below, above = np.where(new > 0.0, at, below), np.where(new > 0.0, above, at)
             step = -new * (at - old) / (new - value)
             old, value = at, new
-            at = np.where((old + step > below) & (old + step < above), old + step, 0.5 * (below + above))
-            at = np.where(new == 0.0, old, at)
-            if np.all((np.abs(at - old) <= ENOUGH) | endless | never):
+            next_at = np.where((old + step > below) & (old + step < above), old + step, 0.5 * (below + above))
+            at = np.where(done | (new == 0.0), old, next_at)  # whatever else is looked for at once
+            done |= np.abs(at - old) <= ENOUGH
+            if done.all():
                 break
     return np.where(endless, np.inf, np.where(never, low, at))
 
 
 def _scatter(per_square: Array, square: Array) -> Array:
-    return np.asarray(np.outer(np.sqrt(square), np.sqrt(square)) * per_square)
+    root = np.sqrt(square)
+    return np.asarray(root[..., :, None] * root[..., None, :] * per_square)
 
 
 def _ratio(a: Array, b: Array) -> Array:
     """Return a / b, infinite where both are zero: nothing is judged there."""
-    return np.asarray(np.divide(a, b, out=np.full(len(a), np.inf), where=b > 0.0))
+    return np.asarray(np.divide(a, b, out=np.full(a.shape, np.inf), where=b > 0.0))
 
 
 def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
@@ -277,8 +301,8 @@ def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
 
 def propagated(back: Array, covariance: Array) -> Array:
     """Return ``back C back'``, symmetric to the last bit."""
-    whole = back @ covariance @ back.T
-    return np.asarray(0.5 * (whole + whole.T))
+    whole = back @ covariance @ back.swapaxes(-1, -2)
+    return np.asarray(0.5 * (whole + whole.swapaxes(-1, -2)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,9 +323,12 @@ class Observability:
         return self.rank == self.count
 
 
-def can_tell(s: Array, scatter: float, useless: float = USELESS, smallest: float = SMALLEST) -> NDArray[np.bool_]:
-    """Return which combinations are determined, by singular values, shape (p,), and the scatter of a reading."""
-    return np.asarray((s > smallest * s.max(initial=0.0)) & (scatter < useless * s))
+def can_tell(
+    s: Array, scatter: Array | float, useless: float = USELESS, smallest: float = SMALLEST
+) -> NDArray[np.bool_]:
+    """Return which combinations are determined, by singular values, shape (..., p), and the scatter of a reading."""
+    most = s.max(axis=-1, initial=0.0, keepdims=True)
+    return np.asarray((s > smallest * most) & (np.asarray(scatter)[..., None] < useless * s))
 
 
 def observe(
@@ -329,17 +356,36 @@ def observe(
     smallest : float
         Singular value over the largest one, below which a combination is not determined.
     """
-    n, p = scaled.shape
-    padded = scaled if n >= p else np.vstack([scaled, np.zeros((p - n, p))])
-    s, rows = np.linalg.svd(padded, full_matrices=False)[1:]
-    good = can_tell(s, scatter, useless, smallest)
-    lost = rows[~good].T
-    determined = np.sqrt(np.sum(lost**2, axis=1)) < takes_part
-    rank = int(np.sum(good))
-    condition = float(s[good].max() / s[good].min()) if rank else np.inf
-    simple = _simple(lost, names)
-    parts = tuple(frozenset(name for _, name in terms) for terms in simple)
-    return Observability(rank, p, condition, determined, rows[good].T, tuple(map(_in_words, simple)), parts)
+    return observe_many(scaled[None], names, np.array([scatter]), useless, takes_part, smallest)[0]
+
+
+def observe_many(
+    scaled: Array,
+    names: Sequence[Key],
+    scatter: Array,
+    useless: float = USELESS,
+    takes_part: float = TAKES_PART,
+    smallest: float = SMALLEST,
+) -> list[Observability]:
+    """Return what `observe` gives of each of many scaled Jacobians, shape (sets, n, p); ``scatter``, shape (sets,)."""
+    sets, n, p = scaled.shape
+    padded = scaled if n >= p else np.concatenate([scaled, np.zeros((sets, p - n, p))], axis=1)
+    sizes, directions = np.linalg.svd(padded, full_matrices=False)[1:]
+    found = []
+    for s, rows, good in zip(sizes, directions, can_tell(sizes, scatter, useless, smallest), strict=True):
+        if good.all():
+            every = np.ones(p, dtype=bool)
+            found.append(Observability(p, p, float(s[0] / s[-1]), every, rows.T, (), ()))
+            continue
+        lost = rows[~good].T
+        determined = np.sqrt(np.sum(lost**2, axis=1)) < takes_part
+        rank = int(np.sum(good))
+        condition = float(s[good].max() / s[good].min()) if rank else np.inf
+        simple = _simple(lost, names)
+        parts = tuple(frozenset(name for _, name in terms) for terms in simple)
+        combinations = tuple(map(_in_words, simple))
+        found.append(Observability(rank, p, condition, determined, rows[good].T, combinations, parts))
+    return found
 
 
 def _simple(lost: Array, names: Sequence[Key]) -> list[list[tuple[float, Key]]]:

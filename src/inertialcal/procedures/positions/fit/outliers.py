@@ -20,7 +20,7 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....statistics.two_levels import fit_two_levels
-from ._kernels_sphere import fill_tukey, robust_scale
+from ._kernels_sphere import fill_suspects
 
 STANDS_OUT = 3.5  # robust standard deviations
 FREE = 4  # least degrees of freedom of a fit that can judge a position
@@ -51,20 +51,36 @@ def found_outliers(
     ndarray of bool, shape (groups,)
         None where too few positions would be left to judge by.
     """
-    n, p = design.shape
+    own = {name: part[None] for name, part in known.items()}
+    return np.asarray(many_outliers(design[None], readings[None], own, group, risk)[0])
+
+
+def many_outliers(
+    design: Array, readings: Array, known: Mapping[str, Array], group: NDArray[np.int64], risk: float
+) -> Flags:
+    """Return what `found_outliers` gives of each of many sets, along the first axis, shape (sets, groups)."""
+    sets, n, p = design.shape
     count = int(group.max()) + 1
-    nobody = np.zeros(count, dtype=bool)
+    found = np.zeros((sets, count), dtype=bool)
     if n - p < FREE:
-        return nobody
-    found, residuals = np.empty(p), np.empty(n)
-    fill_tukey(np.ascontiguousarray(design), np.ascontiguousarray(readings), found, residuals)
-    scale = robust_scale(residuals, n - p)
-    suspect = np.zeros(count, dtype=bool)
-    suspect[group[np.abs(residuals) > STANDS_OUT * scale]] = True
-    kept = ~suspect[group]
-    if scale == 0.0 or not suspect.any() or np.sum(kept) - p < FREE:
-        return nobody
-    if np.linalg.matrix_rank(design[kept]) < p:
+        return found
+    scales, beyond = np.empty(sets), np.empty((sets, n), dtype=bool)
+    fill_suspects(np.ascontiguousarray(design), np.ascontiguousarray(readings), STANDS_OUT, scales, beyond)
+    for k in np.flatnonzero(beyond.any(axis=1) & (scales != 0.0)):
+        own = {name: part[k] for name, part in known.items()}
+        suspect = np.zeros(count, dtype=bool)
+        suspect[group[beyond[k]]] = True
+        found[k] = _confirmed(design[k], readings[k], own, group, suspect, risk)
+    return found
+
+
+def _confirmed(
+    design: Array, readings: Array, known: Mapping[str, Array], group: NDArray[np.int64], suspect: Flags, risk: float
+) -> Flags:
+    """Return which of the groups that stand out disagree with the fit of all others."""
+    p, count = design.shape[1], len(suspect)
+    nobody, kept = np.zeros(count, dtype=bool), ~suspect[group]
+    if np.sum(kept) - p < FREE or np.linalg.matrix_rank(design[kept]) < p:
         return nobody
     fitted = fit_two_levels(design[kept], readings[kept], {name: _some(part, kept) for name, part in known.items()})
     for k in np.flatnonzero(suspect):
