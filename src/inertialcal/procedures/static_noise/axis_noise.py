@@ -49,6 +49,8 @@ MOST_LINES = 6  # taken into a fit
 LISTED_LINES = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 SHORT = "too_short"  # code of a record whose deviations are shown without terms
+LOOKED_AT = 64  # samples that mostly say whether a record scatters
+ALIKE, TINY = 1e-6, 1e-100  # relative and absolute difference of samples that may be rounding
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
 
 
@@ -247,7 +249,8 @@ def _usable(
         try:
             found = _recorded(plan, run, axis) if alike is None else alike
             others.append(found)
-            run_of(found.curve, 0, sample_unit(plan.kind, plan.unit))
+            if found.taken is None:
+                found = replace(found, taken=run_of(found.curve, 0, sample_unit(plan.kind, plan.unit)))
         except DataError as error:
             problems.append(error.problems[0])
             if several:
@@ -378,7 +381,8 @@ def _fits_of(
     """
     fits = fit_many([
         Fit(
-            [one.curve for one in records], plan.kind, "auto" if plan.terms is None else tuple(plan.terms), lines,
+            [one.taken or one.curve for one in records], plan.kind,
+            "auto" if plan.terms is None else tuple(plan.terms), lines,
             [one.band or one.unseen for one in records], 0, plan.unit,
         )
         for plan, records, lines in asked
@@ -484,6 +488,8 @@ def check(plan: Plan, readings: Readings) -> None:
     problems: dict[str, Problem] = {}
     for axis in readings.axes:
         for run in readings.records:
+            if _plainly_scatters(run, axis):
+                return
             try:
                 curve = fitted(plan, run, axis, None if run.present.get(axis) is None else run.there(axis))
             except DataError as error:
@@ -497,6 +503,15 @@ def check(plan: Plan, readings: Readings) -> None:
                     continue
             return
     raise DataError(problems_of(problems, readings))
+
+
+def _plainly_scatters(run: Run, axis: str) -> bool:
+    """Return whether the first samples alone say that a record has a deviation with some noise."""
+    few = run.values[axis][:LOOKED_AT]
+    if run.quantity != "rate" or run.present.get(axis) is not None or few.dtype.kind != "f" or len(few) < LOOKED_AT:
+        return False
+    least, largest = float(few.min()), float(few.max())  # NaN where one is missing
+    return np.inf > largest - least > max(ALIKE * max(abs(least), abs(largest)), TINY)
 
 
 def problems_of(found: Mapping[str, Problem], readings: Readings) -> list[Problem]:

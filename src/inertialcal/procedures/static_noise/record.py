@@ -23,6 +23,9 @@ from ...core.show.rounding import number
 from ...core.units import factor
 from ...sensors.noise.fitting.filtered import Band
 from ...sensors.noise.fitting.noise_fit import NoiseFit, duration
+from ...sensors.noise.fitting.problem import Run as NoiseRun
+from ...sensors.noise.fitting.problem import runs_of
+from ...sensors.noise.terms import sample_unit
 from ...signals.allan import Allan, allan, allan_alike
 from ...signals.codes import coarse_steps, surely_fine
 from ...signals.names import Deviation
@@ -64,6 +67,7 @@ class Recorded:
     ahead: Fitted | None = None  # Its terms as they were fitted before it was looked through, if it was
     band: Band | None = None  # What a filter leaves of its noise
     unseen: Band | None = None  # What one might leave that the spectrum does not show, nor excludes
+    taken: NoiseRun | None = None  # What the fit takes of its curve, where it is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +111,7 @@ def recorded_alike(asked: Sequence[tuple[Plan, Run, str]]) -> list[Recorded | No
     alike: dict[tuple[object, ...], list[int]] = {}
     for i, (plan, run, axis) in enumerate(asked):
         if _is_plain(plan, run, axis):
-            analysis = unit_of(plan), plan.lines, plan.spectrum, plan.segment
+            analysis = plan.kind, unit_of(plan), plan.lines, plan.spectrum, plan.segment
             alike.setdefault((len(run), run.interval, run.averaging, *analysis), []).append(i)
     found: list[Recorded | None] = [None] * len(asked)
     for places in alike.values():
@@ -144,15 +148,16 @@ def _analysed_alike(asked: Sequence[tuple[Plan, Run, str]]) -> list[Recorded | N
     lines: Sequence[Lines | None] = lines_apart(spectra) if plan.lines else [None] * len(series)
     agreements = compare_allan(spectra, curves).apart()
     qualities = qualities_alike(series, run.interval)
-    apart = zip(sound, series, curves.apart(), spectra.apart(), lines, agreements, qualities, strict=True)
-    for i, rates, curve, spectrum, own, agreement, quality in apart:
+    taken = runs_of(curves, sample_unit(plan.kind, plan.unit))
+    apart = zip(sound, series, curves.apart(), taken, spectra.apart(), lines, agreements, qualities, strict=True)
+    for i, rates, curve, usable, spectrum, own, agreement, quality in apart:
         plan, run, axis = asked[i]
         if quality.disturbances:
             continue
         looked = _looked(plan, run, rates, axis, len(rates), quality, surely_fine(rates))
         run.curves[axis, curve.unit] = curve
         said = _spectral(spectrum, own, agreement, axis, resolution_of_rates(run, axis))
-        found[i] = Recorded(run, looked, curve, curve, said)
+        found[i] = Recorded(run, looked, curve, curve, said, taken=usable)
     return found
 
 

@@ -20,7 +20,7 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -146,12 +146,8 @@ class Agreement:
     def apart(self) -> list[Agreement]:
         """Return that of each axis by itself."""
         many = np.count_nonzero(np.isfinite(self.chance), axis=0).tolist()
-        return [
-            replace(
-                self, ratio=self.ratio[:, i : i + 1], chance=self.chance[:, i : i + 1], agree=own, compared=compared
-            )
-            for i, (own, compared) in enumerate(zip(self.agree[:, None], many, strict=True))
-        ]
+        each = zip(self.ratio.T[:, :, None], self.chance.T[:, :, None], self.agree[:, None], many, strict=True)
+        return [Agreement(self.tau, *one, self.false_alarm) for one in each]
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
@@ -160,7 +156,7 @@ class Agreement:
             what = "no averaging time is short enough to compare Allan deviation and spectrum"
             return (Remark("allan_not_compared", "info", what, do="Give longer segments of the spectrum"),)
         found = []
-        for axis in np.flatnonzero(~self.agree):
+        for axis in (axis for axis, agree in enumerate(self.agree.tolist()) if not agree):
             worst = int(np.nanargmin(self.chance[:, axis]))
             what = (
                 f"axis {axis}: the Allan deviation at {number(float(self.tau[worst]), 4)} s is "

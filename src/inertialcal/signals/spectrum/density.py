@@ -38,7 +38,7 @@ class Spectrum:
 
     def apart(self) -> list[Spectrum]:
         """Return the spectrum of each axis by itself; each with the remarks of all."""
-        return [replace(self, density=self.density[:, i : i + 1]) for i in range(self.density.shape[1])]
+        return [Spectrum(**{**vars(self), "density": own}) for own in self.density.T[:, :, None]]
 
     @property
     def spacing(self) -> float:

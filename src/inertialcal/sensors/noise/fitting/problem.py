@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array, Numbers
@@ -288,28 +289,57 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
             do='Compute it with deviation="overlapping"',
             code="not_overlapping",
         )
+    return _usable(_of_curve(curve, lambda given: _column(given, axis), unit))
+
+
+def runs_of(curve: AllanLike, unit: str = "") -> list[Run | None]:
+    """Return the same of each axis of a curve of complete records alike; None where `run_of` refuses it.
+
+    What they have in common they share.
+    """
+    whole = _of_curve(curve, lambda given: np.asarray(given, dtype=np.float64), unit)
+    found: list[Run | None] = []
+    alike: dict[bytes, Run] = {}
+    for good, variance, edf, n in zip(_good(whole).T, whole.variance.T, whole.edf.T, whole.n.T, strict=True):
+        like = alike.get(good.tobytes())
+        if like is not None:
+            at = np.searchsorted(whole.m, like.m)
+            found.append(replace(like, variance=variance[at], edf=edf[at]))
+            continue
+        inflation, ends = whole.inflation[:, 0], None if whole.ends is None else whole.ends[:, 0]
+        own = replace(whole, variance=variance, n=n, edf=edf, inflation=inflation, ends=ends)
+        try:
+            alike[good.tobytes()] = _usable(own)
+        except DataError:
+            found.append(None)
+        else:
+            found.append(alike[good.tobytes()])
+    return found
+
+
+def _of_curve(curve: AllanLike, column: Callable[[Numbers], Array], unit: str) -> Run:
+    """Return a curve as a run, its columns as they are taken, before what is usable in it is kept."""
     given = unit_of(curve)
     scale = factor(given, unit) if given and unit else 1.0
-    variance = (scale * _column(curve.deviation, axis)) ** 2
+    variance = (scale * column(curve.deviation)) ** 2
     averaging = getattr(curve, "averaging", None)
-    inflation = np.ones(len(variance))
+    inflation = np.ones(variance.shape)
     raised = getattr(curve, "inflation", None)
     if raised is not None:  # of white noise by missing samples, divided out where the noise seems white
-        inflation = _column(raised, axis)
-        power = _column(getattr(curve, "power", inflation), axis)
+        inflation = column(raised)
+        power = column(getattr(curve, "power", inflation))
         variance = np.where(power >= 0.0, variance * inflation, variance)
     ends = getattr(curve, "ends", None)
-    run = Run(
+    return Run(
         np.asarray(curve.m, dtype=float),
         variance,
-        _column(curve.n, axis),
-        _column(curve.edf, axis),
+        column(curve.n),
+        column(curve.edf),
         float(curve.interval),
         float(curve.interval if averaging is None else averaging),
         inflation,
-        None if ends is None else _column(ends, axis),
+        None if ends is None else column(ends),
     )
-    return _usable(run)
 
 
 def inside(run: Run, band: Band) -> Run:
@@ -350,6 +380,11 @@ def _column(given: Numbers, axis: int | None) -> Array:
     return own
 
 
+def _good(run: Run) -> NDArray[np.bool_]:
+    """Return which variances carry something."""
+    return np.isfinite(run.variance) & (run.variance > 0.0) & (run.edf >= LEAST_EDF) & (run.n >= 1.0)
+
+
 def _usable(run: Run) -> Run:
     """Keep octaves with something in them."""
     there = run.variance[np.isfinite(run.variance)]
@@ -360,10 +395,9 @@ def _usable(run: Run) -> Run:
             do="Look whether the sensor is stuck, or its steps coarser than its noise",
             code="constant",
         )
-    good = np.isfinite(run.variance) & (run.variance > 0.0) & (run.edf >= LEAST_EDF) & (run.n >= 1.0)
     kept: list[int] = []
     m = run.m.tolist()
-    for i in good.nonzero()[0].tolist():
+    for i in _good(run).nonzero()[0].tolist():
         if not kept or m[i] >= SPACING * m[kept[-1]]:
             kept.append(i)
     if len(kept) < LEAST_POINTS:
@@ -373,6 +407,8 @@ def _usable(run: Run) -> Run:
             do="Record for longer",
             code="too_short",
         )
+    if len(kept) == len(m):
+        return run
     at = np.array(kept)
     ends = None if run.ends is None else run.ends[at]
     return Run(
