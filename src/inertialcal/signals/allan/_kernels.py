@@ -111,6 +111,30 @@ def sum_again(p: NDArray[Any], scale: float, sums: Whole) -> None:
         sums[i + 1] = total
 
 
+@reordered
+def _total(x: Array) -> float:
+    total = 0.0
+    for i in range(len(x)):
+        total += x[i]
+    return total
+
+
+@reordered
+def _moment(x: Array) -> float:
+    total = 0.0
+    for i in range(len(x)):
+        total += i * x[i]
+    return total
+
+
+@reordered
+def _product(a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i] * b[i]
+    return total
+
+
 @compiled
 def lag_one(
     p: NDArray[Any], m: int, many: int, size: int, apart: int, lost: float, small: float, most: int
@@ -120,33 +144,31 @@ def lag_one(
     ``many`` stretches of ``size`` averages side by side, that begin ``apart`` points apart; a line is taken off, and
     what it took from the autocorrelation, ``lost``, given back.
     """
-    y, level, middle = np.empty((many, size)), 0.0, 0.0
+    y, level = np.empty((many, size)), 0.0
     for k in range(many):
         own = p[k * apart :]
         for i in range(size):
             y[k, i] = np.float64(own[(i + 1) * m] - own[i * m])
-            level += y[k, i]
-            middle += k * apart + i * m
-    level, middle = level / (many * size), middle / (many * size)
-    along, square = 0.0, 0.0
+        level += _total(y[k])
+    level /= many * size
+    middle = 0.5 * ((many - 1) * apart + (size - 1) * m)  # of the times k apart + i m, and their squares about it
+    square = many * size * (apart * apart * (many * many - 1.0) + m * m * (size * size - 1.0)) / 12.0
+    along = 0.0
     for k in range(many):
         for i in range(size):
-            time = k * apart + i * m - middle
             y[k, i] -= level
-            along += time * y[k, i]
-            square += time * time
+        along += m * _moment(y[k]) + (k * apart - middle) * _total(y[k])
+    along /= square
     for k in range(many):
         for i in range(size):
-            y[k, i] -= along / square * (k * apart + i * m - middle)
+            y[k, i] -= along * (k * apart + i * m - middle)
     times = 0
     while True:
         squares, products = 0.0, 0.0
         for k in range(many):
             own = y[k, : size - times]
-            for i in range(len(own) - 1):
-                squares += own[i] * own[i]
-                products += own[i] * own[i + 1]
-            squares += own[len(own) - 1] ** 2
+            squares += _product(own, own)
+            products += _product(own[1:], own)
         r = products / squares + (lost if times == 0 else 0.0) if squares > 0.0 else np.nan
         if not r >= small or times >= most:
             return r, times

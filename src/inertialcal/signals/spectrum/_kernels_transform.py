@@ -197,3 +197,38 @@ def add_rows(
             else:
                 for lane in range(start - row, LANES):
                     power[o + lane] += found[i + lane] ** 2 + found[i + LANES + lane] ** 2
+
+
+@compiled
+def fill_segments(z: Array, starts: Whole, taper: Array, x: Array) -> None:
+    """Fill two times eight segments, real and imaginary parts, each less its mean and weighted; 0 where there are less.
+
+    ``starts``: of the segments, of which eight at most are real parts, and the rest, behind them, imaginary ones.
+    """
+    n, many, levels = len(taper), len(starts), np.zeros(WIDE)
+    for s in range(many):
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        part = z[starts[s] : starts[s] + n]
+        for i in range(n // 4):
+            a, b, c, d = a + part[4 * i], b + part[4 * i + 1], c + part[4 * i + 2], d + part[4 * i + 3]
+        for i in range(n // 4 * 4, n):
+            a += part[i]
+        levels[s] = ((a + b) + (c + d)) / n
+    for i in range(n):
+        own, weight = x[WIDE * i : WIDE * (i + 1)], taper[i]
+        for s in range(many):
+            own[s] = (z[starts[s] + i] - levels[s]) * weight
+        for s in range(many, WIDE):
+            own[s] = 0.0
+
+
+@compiled
+def add_whole(x: Array, power: Array) -> None:
+    """Add the power of eight transforms of pairs of real signals, (n // 2 + 1,): half of that at k and at n - k."""
+    n, both = len(x) // WIDE, np.empty(LANES)
+    for k in range(len(power)):
+        i, j = WIDE * k, WIDE * (n - k if k > 0 else 0)
+        a, b, c, d = load(x, i), load(x, i + LANES), load(x, j), load(x, j + LANES)
+        store(both, 0, (a * a + b * b) + (c * c + d * d))
+        one, two = (both[0] + both[4]) + (both[2] + both[6]), (both[1] + both[5]) + (both[3] + both[7])
+        power[k] += 0.5 * (one + two)

@@ -142,3 +142,37 @@ def folded(power: Array) -> Array:
     """Return sums of squared magnitudes of pairs as those of real signals, in the order of frequency, (n // 2 + 1,)."""
     n, every = power.size, power.ravel()
     return np.asarray(0.5 * (every[: n // 2 + 1] + np.append(every[0], every[: (n - 1) // 2 : -1])))
+
+
+def lanes_of(n: int) -> Lanes | None:
+    """Return what transforms of a short length take, eight pairs at a time; None where it has other factors."""
+    return _lanes(n) if n < LONG and _factors(n) else None
+
+
+@lru_cache(4)
+def _lanes(n: int) -> Lanes:
+    return Lanes(n)
+
+
+class Lanes:
+    """Factors and turns of transforms of one length, and room for eight of them."""
+
+    def __init__(self, n: int) -> None:
+        from .._kernels_lanes import aligned  # noqa: PLC0415 - numba starts slowly
+        from ._kernels_transform import WIDE  # noqa: PLC0415
+
+        self.factors, self.turns, self.most = np.array(_factors(n)), _turns(n), WIDE
+        self._size = WIDE * n
+        self._aligned = aligned
+
+    def rooms(self) -> tuple[Array, Array]:
+        """Return room for two times eight transforms."""
+        return self._aligned(self._size), self._aligned(self._size)
+
+    def add_power(self, x: Array, starts: Indices, weights: Array, rooms: tuple[Array, Array], power: Array) -> None:
+        """Add the squared magnitudes of the transforms of segments under one taper, shape (n // 2 + 1,)."""
+        from ._kernels_transform import add_whole, fill_segments, transformed  # noqa: PLC0415 - numba starts slowly
+
+        for first in range(0, len(starts), self.most):
+            fill_segments(x, starts[first : first + self.most], weights, rooms[0])
+            add_whole(transformed(*rooms, self.factors, self.turns), power)

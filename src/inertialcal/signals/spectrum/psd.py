@@ -31,7 +31,7 @@ from ...core.remarks import Remark
 from ..names import Method
 from ..threads import each_of
 from .density import Spectrum
-from .long_transform import Room, columns_of, folded, power_of
+from .long_transform import Room, columns_of, folded, lanes_of, power_of
 from .tapers import Tapers, correlations, hann, slepian, usable
 
 SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
@@ -42,6 +42,7 @@ AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
 FEW = 2**16  # so few at once
 PAIRS = 2  # of long segments in a share, at least: to touch fresh memory for their sum takes a third of a transform
 SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
+MANY = 2**13  # so few in ones and twos: compiled loops take longer to load
 FIRST = 64  # samples that are looked at first, whether all are equal
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
@@ -238,8 +239,16 @@ def _summed_at_once(columns: Sequence[Array], every: Indices, tapers: Array) -> 
     """Sum of squared magnitudes of the transforms of few segments, shape (axes, n // 2 + 1)."""
     from ._kernels import add_power, fill_tapered  # noqa: PLC0415 - numba starts slowly
 
-    length = tapers.shape[1]
-    total, part = np.zeros((len(columns), length // 2 + 1)), np.empty((len(every), length))
+    length, lanes = tapers.shape[1], lanes_of(tapers.shape[1])
+    total = np.zeros((len(columns), length // 2 + 1))
+    if lanes is not None and len(every) * length >= MANY:
+        rooms = lanes.rooms()
+        for x, found in zip(columns, total, strict=True):
+            for weights in tapers:
+                lanes.add_power(x, every, weights, rooms, found)
+            release(x)
+        return total
+    part = np.empty((len(every), length))
     turned = np.empty((len(every), length // 2 + 1), dtype=np.complex128)
     for x, found in zip(columns, total, strict=True):
         for weights in tapers:
