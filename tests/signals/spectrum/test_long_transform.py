@@ -13,7 +13,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.signals._kernels_lanes import aligned, eight, load, store, times
 from inertialcal.signals.spectrum import _kernels_transform as kernels
 from inertialcal.signals.spectrum import long_transform
-from inertialcal.signals.spectrum.long_transform import Room, Steps, columns_of, folded, power_of, steps_of
+from inertialcal.signals.spectrum.long_transform import Room, Steps, columns_of, folded, lanes_of, power_of, steps_of
 from inertialcal.statistics._kernels import compiled
 
 AGREES = 1e-11
@@ -57,6 +57,37 @@ def test_the_power_of_real_transforms(data: st.DataObject) -> None:
     steps_of.cache_clear()
     expected = directly(x, starts, weights)
     np.testing.assert_allclose(found, expected, rtol=AGREES, atol=AGREES * float(expected.max()))
+
+
+@pytest.mark.parametrize("n", [48, 75, 2_500])
+@pytest.mark.parametrize("count", [1, 9, 15, 16, 17, 40])
+def test_the_power_of_short_segments(n: int, count: int) -> None:
+    rng = np.random.default_rng(count)
+    x = 1e3 + rng.normal(size=8 * n)
+    starts, weights = rng.integers(0, 7 * n, count).tolist(), rng.normal(size=(2, n))
+    lanes = lanes_of(n)
+    assert lanes is not None
+    found, rooms = np.zeros(n // 2 + 1), lanes.rooms()
+    for taper in weights:
+        lanes.add_power(x, np.array(starts), taper, rooms, found)
+    expected = directly(x, starts, weights)
+    np.testing.assert_allclose(found, expected, rtol=AGREES, atol=AGREES * float(expected.max()))
+    assert lanes_of(7 * n) is lanes_of(2**15) is None  # another factor; long
+
+
+def test_segments_side_by_side_without_the_compiler() -> None:
+    n, rng = 12, np.random.default_rng(4)
+    x, starts, taper = rng.normal(size=5 * n), np.array([0, 7, 30]), rng.normal(size=n)
+    one, power = rng.normal(size=(2, 16 * n)), np.zeros((2, n // 2 + 1))
+    plain = (cast("Any", kernels.fill_segments).py_func, cast("Any", kernels.add_whole).py_func)
+    for own, total, (fill, add) in zip(one, power, ((kernels.fill_segments, kernels.add_whole), plain), strict=True):
+        fill(x, starts, taper, own)
+        add(own, total)
+    parts = np.array([(x[a : a + n] - x[a : a + n].mean()) * taper for a in starts])
+    for own in one.reshape(2, n, 16):
+        np.testing.assert_allclose(own[:, :3].T, parts, rtol=1e-12)
+        assert not own[:, 3:].any()
+    np.testing.assert_allclose(power[1], power[0], rtol=1e-12)
 
 
 def test_a_weak_half_of_a_spectrum_beside_a_strong_line_keeps_its_digits() -> None:

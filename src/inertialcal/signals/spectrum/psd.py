@@ -42,7 +42,8 @@ AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
 FEW = 2**16  # so few at once
 PAIRS = 2  # of long segments in a share, at least: to touch fresh memory for their sum takes a third of a transform
 SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
-MANY = 2**13  # so few in ones and twos: compiled loops take longer to load
+LEAST = 8  # segments, of which sixteen are transformed together
+MANY = 2**13  # samples of them, from which that gains more than its loops take to load
 FIRST = 64  # samples that are looked at first, whether all are equal
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
@@ -241,7 +242,7 @@ def _summed_at_once(columns: Sequence[Array], every: Indices, tapers: Array) -> 
 
     length, lanes = tapers.shape[1], lanes_of(tapers.shape[1])
     total = np.zeros((len(columns), length // 2 + 1))
-    if lanes is not None and len(every) * length >= MANY:
+    if lanes is not None and len(every) >= LEAST and len(every) * length >= MANY:
         rooms = lanes.rooms()
         for x, found in zip(columns, total, strict=True):
             for weights in tapers:
