@@ -1712,8 +1712,8 @@ MUTANTS = (
     ),
     Mutant(
         "filtered.py",
-        "return 2.0 * (plain - cost), corner_of",
-        "return -2.0 * (plain - cost), corner_of",
+        "return 2.0 * (plain - cost), CORNERS",
+        "return -2.0 * (plain - cost), CORNERS",
         "test_filtered test_band",
     ),
     Mutant(

@@ -242,43 +242,66 @@ def few_scored(rows: Array, s: Array, w: Array, v: Array) -> float:
 
 
 @compiled
-def cost_at(behind: Array, s: Array, w: Array, costs: Array, i: int) -> float:
-    """Return the least cost of rows behind a size of low pass, filled in where it is not known (NaN)."""
-    if np.isnan(costs[i]):
-        costs[i] = few_scored(behind[i], s, w, np.zeros(behind.shape[1]))
-    return float(costs[i])
+def largest_near(mildly: Array, s: Array, w: Array, stride: int, near: float) -> int:
+    """Return the largest size that fits nearly as well as the best: costs fall to the least, and rise beyond.
+
+    They are tried a stride apart, then all about the best, and halfway to where they are too large.
+    """
+    costs, v, best, at, last = np.full(len(mildly), np.inf), np.zeros(mildly.shape[1]), 0, 0, len(mildly) - 1
+    while True:
+        costs[at] = few_scored(mildly[at], s, w, v)  # much like the one before
+        if costs[at] < costs[best]:
+            best = at
+        if at == last or costs[at] > costs[best] + near:
+            break
+        at = min(at + stride, last)
+    inside, outside = best, at if costs[at] > costs[best] + near else last + 1
+    middle = best
+    for i in range(max(middle - stride + 1, 0), min(middle + stride, outside)):
+        if costs[i] == np.inf:
+            costs[i] = few_scored(mildly[i], s, w, v)
+        if costs[i] < costs[best]:
+            best = i
+    for i in range(len(costs)):
+        if costs[i] < costs[best] + near:
+            inside = i
+        elif i > best and costs[i] < np.inf:
+            outside = i
+            break
+    while outside - inside > 1:
+        at = (inside + outside) // 2
+        if few_scored(mildly[at], s, w, v) < costs[best] + near:
+            inside = at
+        else:
+            outside = at
+    return inside
 
 
 @compiled
 def lowest(
-    plainly: Array, behind: Array, mildly: Array, s: Array, w: Array, none: int, coarse: int, doubtful: float,
-    costs: Array, mild: Array,
-) -> tuple[int, float]:  # fmt: skip
-    """Return the size of least cost, and the cost without a low pass; fill the costs of sizes, and of all mild ones.
+    plainly: Array, behind: Array, mildly: Array, s: Array, w: Array, rules: tuple[int, int, float, int, float]
+) -> tuple[int, float, float, int]:
+    """Return the size of least cost, that cost, the cost without a low pass, and the size of a mild one.
 
-    The first ``none`` sizes and every ``coarse`` one are tried, then all about the best; all where twice the gain
-    over no low pass is doubtful.
+    Every ``coarse`` size is tried; all, each from the data, where twice the gain over no low pass is ``doubtful``. The
+    first sizes are as good as none.
     """
-    plain, best = few_scored(plainly, s, w, np.zeros(len(plainly))), 0
-    v = np.zeros(mildly.shape[1])
-    for i in range(len(mild)):  # each is much like the one before
-        mild[i] = few_scored(mildly[i], s, w, v)
-    for i in range(len(costs)):
-        if (i < none or i % coarse == 0) and cost_at(behind, s, w, costs, i) < costs[best]:
-            best = i
-    while True:
-        first, near = max(best - coarse, 0), max(best - coarse, 0)
-        for i in range(first, min(best + coarse + 1, len(costs))):
-            if cost_at(behind, s, w, costs, i) < costs[near]:
-                near = i
-        if near == best:
-            break
-        best = near
-    if 2.0 * (plain - costs[best]) >= doubtful:
-        for i in range(len(costs)):
-            cost_at(behind, s, w, costs, i)
-        best = 0
-        for i in range(len(costs)):
-            if costs[i] < costs[best]:
-                best = i
-    return best, plain
+    none, coarse, doubtful, stride, near = rules
+    plain, best, v, least = few_scored(plainly, s, w, np.zeros(len(plainly))), 0, np.zeros(behind.shape[1]), np.inf
+    without = plain
+    for i in range(0, len(behind), coarse):  # each is much like the one before
+        cost = few_scored(behind[i], s, w, v)
+        if i < none:
+            without = min(without, cost)
+        if cost < least:
+            best, least = i, cost
+    if 2.0 * (without - least) >= doubtful:
+        best, least = 0, np.inf
+        for i in range(len(behind)):
+            cost = few_scored(behind[i], s, w, np.zeros(behind.shape[1]))
+            if i < none:  # where the solver stops short
+                plain = min(plain, cost)
+            if cost < least:
+                best, least = i, cost
+        without = plain
+    return best, least, without, largest_near(mildly, s, w, stride, near)

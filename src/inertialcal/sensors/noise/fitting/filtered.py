@@ -69,8 +69,9 @@ CYCLES: Array = (np.arange(GRID, dtype=np.float64) + 0.5) * (0.5 / GRID)  # thos
 STEPS = 4.0 * np.sin(np.pi * CYCLES) ** 2
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
-COARSE = 4  # of these sizes, one of which is tried first, then all about the best: twice the size is much alike
-DOUBTFUL = 5.0  # twice the gain of log likelihood there, from which all are tried
+COARSE = 8  # of these sizes, one of which is tried first: ten times the size has a good part of the gain
+DOUBTFUL = 2.0  # twice the gain of log likelihood there, from which all are tried
+STRIDE = 4  # of mild ones, in the same way
 NEAR = 0.5  # log likelihood less than the best: one standard uncertainty
 MILD = 0.3  # size of a low pass, above which it does not stay hidden
 MILDEST = np.array([0.0, *FOLDS[FOLDS <= MILD]])
@@ -232,17 +233,13 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
 
     The low pass is one of first order. Of mild ones, it is the largest that fits nearly as well as the best.
     """
-    costs, mild = np.full(len(FOLDS), np.nan), np.empty(len(MILDEST))
     s, w = measured = np.zeros((2, filled(len(cycles))))
     measured[:, : len(cycles)] = density, weight
-    plainly, behind, mildly = _behind(cycles.tobytes(), interval)
-    best, plain = lowest(plainly, behind, mildly, s, w, NONE + 1, COARSE, DOUBTFUL, costs, mild)
-    cost = float(costs[best])
-    plain = min(plain, float(costs[: NONE + 1].min()))  # where the solver stops short
+    rules = NONE + 1, COARSE, DOUBTFUL, STRIDE, NEAR
+    best, cost, plain, hidden = lowest(*_behind(cycles.tobytes(), interval), s, w, rules)
     if 2.0 * (plain - cost) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
-    hidden = float(MILDEST[np.flatnonzero(mild < mild.min() + NEAR)[-1]])
-    return 2.0 * (plain - cost), corner_of(float(FOLDS[best])), hidden
+    return 2.0 * (plain - cost), CORNERS[best], float(MILDEST[hidden])
 
 
 def with_one_time(cycles: Array, density: Array, weight: Array, interval: float) -> float:
@@ -274,6 +271,9 @@ def corner_of(size: float) -> float:
     """Return the corner of 1 / (1 + size 4 sin^2(pi f)), that of the low pass before sampling [cycles a sample]."""
     a = 1.0 + 0.5 / size
     return float(np.arccosh(a) / (2.0 * np.pi))
+
+
+CORNERS = tuple(corner_of(float(size)) for size in FOLDS)
 
 
 @dataclass(frozen=True, eq=False)
