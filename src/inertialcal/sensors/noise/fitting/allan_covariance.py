@@ -45,7 +45,7 @@ from ..terms import SERIES_FROM, Phase, dead_time_part, exponential_gain
 
 NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at the sample rate
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
-ONE, NO_PARTS = np.ones(1), np.empty((0, 4))
+ONE = np.ones(1)
 LAGS = [(a, b, (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))) for a in (-1, 0, 1) for b in (-1, 0, 1)]  # (1, -2, 1) twice
 
 
@@ -69,32 +69,54 @@ class Squares:
 
 def squares_of(phases: Sequence[Phase], m: Array, n: Array, inflation: Array | None = None) -> Squares:
     """Return what independent noises of known size give together."""
-    wanders = TAIL * float(m[-1]) * any(one.flicker > 0.0 for one in phases)
-    m, n = np.array(m, dtype=float), np.array(n, dtype=float)
-    raised = None if inflation is None or np.all(inflation == 1.0) else inflation.tobytes()
     of = np.array([i for i, one in enumerate(phases) for _ in one.exponentials], dtype=np.int64)
-    parts = np.array([part for one in phases for part in one.exponentials]).reshape(-1, 2)
-    exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])]) if len(parts) else NO_PARTS
-    reach = min(max(TAIL / min(parts[:, 1], default=np.inf), wanders, 2.0), float(n.max()))
-    slow = any(one.cubic > 0.0 or one.flicker > 0.0 for one in phases)  # else nothing but exponentials is far away
-    known = _design(m.tobytes(), n.tobytes(), raised, reach if slow else 0.0)
-    # what dead time adds to flicker is short, taken as white
-    linear = [one.linear + (2.0 * one.flicker * _slope(one.duty) if one.flicker else 0.0) for one in phases]
-    sizes = np.array([
-        (-0.5 * white, one.point, one.cubic / 12.0, 0.5 * one.flicker, one.ramp**2)
-        for white, one in zip(linear, phases, strict=True)
-    ])  # fmt: skip
-    lags, (row, column) = known.lags, known.pairs
-    values = np.empty((len(phases) * (len(phases) + 1) // 2, len(row)))
-    cubic, flicker = lags.cubic if sizes[:, 2].any() else ONE, lags.flicker if sizes[:, 3].any() else ONE
-    pairs = m, n, row, column, 0.0 if slow else reach
-    fill_squares(known.arrays, cubic, flicker, pairs, sizes, of, exponentials, values)
+    parts = np.array([part for one in phases for part in one.exponentials]).reshape(1, -1, 2)
+    row, column, (values,) = squares_of_each(phases, np.array([sizes_of(phases)]), of, parts, m, n, inflation)
     if any(one.cosines for one in phases):
         both = [(one, other) for i, one in enumerate(phases) for other in phases[: i + 1]]
         for i, (one, other) in enumerate(both):
             if one.cosines or other.cosines:
-                values[i] += _with_lines(one, other, m, n)[row, column]
+                values[i] += _with_lines(one, other, np.asarray(m), np.asarray(n))[row, column]
     return Squares(row, column, values)
+
+
+def sizes_of(phases: Sequence[Phase]) -> list[tuple[float, float, float, float, float]]:
+    """Return sizes of noises as ``fill_squares`` takes them: lag, 1 at zero, cube, flicker, ramp squared."""
+    # what dead time adds to flicker is short, taken as white
+    linear = [one.linear + (2.0 * one.flicker * _slope(one.duty) if one.flicker else 0.0) for one in phases]
+    return [
+        (-0.5 * white, one.point, one.cubic / 12.0, 0.5 * one.flicker, one.ramp**2)
+        for white, one in zip(linear, phases, strict=True)
+    ]
+
+
+def squares_of_each(
+    phases: Sequence[Phase], sizes: Array, of: NDArray[np.int64], parts: Array, m: Array, n: Array,
+    inflation: Array | None = None,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:  # fmt: skip
+    """Return pairs of averaging times and what noises of each series give together, shape (n, q (q + 1) / 2, p).
+
+    Series are of one sampling, and of noises like ``phases``: with sizes (n, q, 5) of their own, and exponentials
+    (n, e, 2) of the noise that each is ``of``.
+    """
+    m, n = np.array(m, dtype=float), np.array(n, dtype=float)
+    raised = None if inflation is None or np.all(inflation == 1.0) else inflation.tobytes()
+    exponentials = np.concatenate([parts, np.stack(exponential_gain(parts[..., 1]), axis=-1)], axis=-1)
+    longest = TAIL / parts[..., 1].min(axis=1, initial=np.inf)
+    wanders = TAIL * float(m[-1]) * any(one.flicker > 0.0 for one in phases)
+    reach = np.minimum(np.maximum(longest, max(wanders, 2.0)), n.max())
+    slow = any(one.cubic > 0.0 or one.flicker > 0.0 for one in phases)  # else nothing but exponentials is far away
+    values = np.empty((len(sizes), sizes.shape[1] * (sizes.shape[1] + 1) // 2, len(m) * (len(m) + 1) // 2))
+    for near in np.unique(reach).tolist() if slow else [0.0]:
+        at = reach == near if slow else np.ones(len(sizes), np.bool_)
+        known = _design(m.tobytes(), n.tobytes(), raised, near)
+        cubic = known.lags.cubic if any(one.cubic > 0.0 for one in phases) else ONE
+        flicker = known.lags.flicker if any(one.flicker > 0.0 for one in phases) else ONE
+        found, beyond = np.empty((np.count_nonzero(at), *values.shape[1:])), np.zeros(len(at)) if slow else reach
+        pairs = m, n, *known.pairs
+        fill_squares(known.arrays, cubic, flicker, pairs, beyond, sizes[at], of, exponentials[at], found)
+        values[at] = found
+    return *known.pairs, values
 
 
 def _with_lines(one: Phase, other: Phase, m: Array, n: Array) -> Array:

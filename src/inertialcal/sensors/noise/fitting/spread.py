@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....core.estimate import Array
 from .._kernels import Indices, fill_spread
 from ..terms import Phase, Sinusoid, Term, averaged_over, means_of_exponential, total_phase
-from .allan_covariance import Squares, squares_of
+from .allan_covariance import Squares, sizes_of, squares_of, squares_of_each
 from .filtered import SHAPE
 from .problem import COMPLETE, LINEAR, Run, Taken, run_that_took
 
@@ -118,16 +118,26 @@ def spreads_beside(runs: Sequence[Run], terms: tuple[Term, ...], times: Array) -
     point, linear, size = means_of_exponential(averaging / own, first.interval / own)
     linear = linear + point * ends
     u = first.interval / own
-    markov = [Phase(a, b, exponentials=((c, d),) if c > 0.0 else ()) for a, b, c, d in
-              zip(point.tolist(), linear.tolist(), size.tolist(), u.tolist(), strict=True)]  # fmt: skip
-    squares = [squares_of((*phases, one), first.m, first.n, first.inflation) for one in markov]
+    markov = [
+        Phase(a, b, exponentials=((c, d),) if c > 0.0 else ())
+        for a, b, c, d in zip(point.tolist(), linear.tolist(), size.tolist(), u.tolist(), strict=True)
+    ]
+    sizes = np.zeros((len(own), q, 5))
+    sizes[:, :-1] = np.array(sizes_of(phases)).reshape(-1, 5)
+    sizes[:, -1, 0], sizes[:, -1, 1] = -0.5 * linear, point
+    values, parts = np.empty((len(own), q * (q + 1) // 2, k * (k + 1) // 2)), np.column_stack([size, u])[:, None]
+    for some, each in ((size > 0.0, 1), (size <= 0.0, 0)):  # of brief correlation times no exponential is left
+        if some.any():
+            which, noises = np.full(each, q - 1), (*phases, markov[int(np.argmax(some))])
+            row, column, values[some] = squares_of_each(
+                noises, sizes[some], which, parts[some, :each], first.m, first.n, first.inflation
+            )
     lost = np.zeros((len(runs), q, k))
     for i, run in enumerate(runs):
         if run.unseen is not None:
             lost[i] = run.unseen.lost((*phases, markov[of[i]]), run.m)
-    values = np.array([one.values for one in squares])
     return (
-        values[of] if len(own) > 1 else values, squares[0].row, squares[0].column, np.zeros(k, np.int64),
+        values[of] if len(own) > 1 else values, row, column, np.zeros(k, np.int64),
         np.zeros(1, np.bool_), lost, np.zeros((1, q, k, 2)), np.zeros((1, 1, 2, 2)),
     )  # fmt: skip
 
