@@ -14,6 +14,7 @@ from ...statistics._kernels import compiled, inlined
 MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
 SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
 CONVERGED = 1e-6  # gain of the cost below which it ends
+NO_STEP = 1e-13  # relative, of all unknowns: no part of such a step is tried
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
 NEAR = 2  # distances from a kink that are summed one by one
 GROWTH = 8.0  # lengths of neighbouring panels beyond
@@ -66,15 +67,15 @@ def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
 
 
 @compiled
-def _fill_equations(rows: Array, weighted: Array, rest: Array, A: Array, b: Array) -> None:
-    """Fill D' W D and D' W rest, where D (``rows``) and W D have their columns filled up to whole eights."""
+def _fill_equations(rows: Array, weighted: Array, rest: Array, p: int, A: Array, b: Array) -> None:
+    """Fill p rows of D' W D and D' W rest, where D (``rows``) and W D have their columns filled up to whole eights."""
     wide, k = len(b), len(rest)
     for j in range(0, wide, LANES):
         total = eight(0.0)
         for t in range(k):
             total = total + times(load(weighted, t * wide + j), eight(rest[t]))
         store(b, j, total)
-        for i in range(0, wide, 4):  # a sum waits for the one before it: four go side by side
+        for i in range(0, p, 4):  # a sum waits for the one before it: four go side by side
             one, two, three, four = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
             for t in range(k):
                 row, at = load(rows, t * wide + j), t * wide + i
@@ -119,12 +120,14 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
             weight = eight(w[t] / (mu[t] * mu[t]))
             for i in range(t * wide, (t + 1) * wide, LANES):
                 store(weighted, i, times(weight, load(rows, i)))
-        _fill_equations(rows, weighted, rest, A.ravel(), b)
+        _fill_equations(rows, weighted, rest, p, A.ravel(), b)
         nonnegative(A, b[:p], held, T, new)
         if held >= 0:
             new[held] = value
-        step, trial = 2.0, np.inf
-        while not trial < cost and step > SHORTEST_STEP:
+        step, trial, there = 2.0, np.inf, True
+        for i in range(p):
+            there = there and abs(new[i] - v[i]) <= NO_STEP * new[i]
+        while not trial < cost and step > SHORTEST_STEP and not (there and step < 2.0):
             step *= 0.5
             for t in range(0, k, LANES):
                 mean = eight(0.0)
