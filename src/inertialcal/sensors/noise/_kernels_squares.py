@@ -222,10 +222,14 @@ def _fill_beyond(longest: float, distance: Array, weight: Array) -> int:
 def _add_far(pairs: Pairs, reach: float, sizes: Array, of: Indices, exponentials: Array, values: Array) -> None:
     """Add the lags beyond all kinks, where nothing but exponentials is left: those of most pairs are alike."""
     m, n, row, column = pairs
-    q, e, known, count = len(sizes), len(of), -1.0, 0
-    distance, weight, s = np.empty(FAR), np.empty(FAR), np.zeros(q)
-    decayed = np.empty((e, FAR))
-    far = np.empty(e)
+    e, known, count = len(of), -1.0, 0
+    distance, weight, windows, decayed, far = (
+        np.empty(FAR),
+        np.empty(FAR),
+        np.empty(FAR),
+        np.empty((e, FAR)),
+        np.empty(e),
+    )
     for p in range(len(row)):
         one, other = m[row[p]], m[column[p]]
         fewer, both, middle = min(n[row[p]], n[column[p]]), one + other, (n[row[p]] + n[column[p]]) / 2.0
@@ -237,17 +241,25 @@ def _add_far(pairs: Pairs, reach: float, sizes: Array, of: Indices, exponentials
             for i in range(e):
                 for t in range(count):
                     decayed[i, t] = _decayed(distance[t], exponentials[i, 1])
+        for t in range(count):
+            windows[t] = weight[t] * max(min(fewer, middle - both - distance[t]), 0.0)
         for i in range(e):
             size, u, gain = exponentials[i, 0], exponentials[i, 1], exponentials[i, 2]
             far[i] = -size * gain * (np.expm1(-u * one) * np.expm1(-u * other)) ** 2 / (one * other)
-        for t in range(count):
-            s[:] = 0.0
-            for i in range(e):
-                s[of[i]] += far[i] * decayed[i, t]
-            windows, at = weight[t] * max(min(fewer, middle - both - distance[t]), 0.0), 0
-            for i in range(q):
-                for j in range(i + 1):
-                    found = (0.5 if i == j else 1.0) * s[i] * s[j] + sizes[i, 4] * s[j] * one * other
-                    found += 0.0 if i == j else sizes[j, 4] * s[i] * one * other
-                    values[at, p] += windows * found
-                    at += 1
+            alone = 0.0
+            for t in range(count):
+                alone += windows[t] * decayed[i, t]
+            for j in range(len(sizes)):  # a ramp
+                values[_place(of[i], j), p] += sizes[j, 4] * far[i] * one * other * alone
+            for j in range(i + 1):
+                total = 0.0
+                for t in range(count):
+                    total += windows[t] * decayed[i, t] * decayed[j, t]
+                half = 0.5 if i == j else 1.0
+                values[_place(of[i], of[j]), p] += half * far[i] * far[j] * total
+
+
+@compiled
+def _place(i: int, j: int) -> int:
+    """Return where two noises stand among all pairs of them."""
+    return max(i, j) * (max(i, j) + 1) // 2 + min(i, j)

@@ -647,7 +647,7 @@ def _rival(solution: Solution, name: str, has: bool) -> Choice | None:
 
 
 def _root(power: float | None) -> float | None:
-    return None if power is None else float(np.sqrt(power))
+    return None if power is None else math.sqrt(power)
 
 
 def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate:
