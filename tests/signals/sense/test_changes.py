@@ -8,8 +8,9 @@ import pytest
 from inertialcal.rigs.rate_table.rig import build
 from inertialcal.rigs.rate_table.setup import Bench
 from inertialcal.signals.sense import _kernels, jumps
-from inertialcal.signals.sense.change import Change
-from inertialcal.signals.sense.changes import changes
+from inertialcal.signals.sense.change import FACTORS, Change
+from inertialcal.signals.sense.changes import _by_noise, changes
+from inertialcal.signals.sense.noise import LEAST_NOISE, Noise
 from inertialcal.signals.sense.response import exchanged_response
 
 N, AT = 3000, 1234
@@ -286,3 +287,28 @@ def test_no_jump_is_passed_over_unseen(kind: str, monkeypatch: pytest.MonkeyPatc
         seen += len(found[0]) > 0
         passed += not _kernels.may_stand_out(np.ascontiguousarray(x.T), 1, 1, 4, 2, jumps.ABRUPT, jumps.LEAST)
     assert seen or passed > 20
+
+
+@pytest.mark.parametrize("kind", ["white", "step", "scale", "walk", "wave"])
+def test_one_look_passes_no_change_over(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it sees nothing, the search finds neither a clear jump nor noise that changes as a unit does."""
+    monkeypatch.setattr(jumps, "loops_for", lambda _: _kernels)
+    passed = changed = 0
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        n, k = int(rng.integers(60, 3000)), int(rng.integers(1, 4))
+        x, at = rng.standard_normal((n, k)) * rng.uniform(0.1, 3.0, k), int(rng.integers(5, n - 5))
+        x[at:] += rng.uniform(0.0, 10.0, k) * (kind == "step")
+        x[at:] *= rng.choice([1.0, 2.9, DEG]) if kind == "scale" else 1.0
+        x = np.cumsum(x, axis=0) if kind == "walk" else x
+        x += (kind == "wave") * 20.0 * np.sin(0.03 * np.arange(n))[:, None]
+        noise = Noise.of(x)
+        columns, names = np.flatnonzero(noise.informative), "xyz"[:k]
+        may = jumps.may_jump(x, noise.size, float(LEAST_NOISE))
+        found = bool(
+            jumps.jumps(x, np.zeros(n, dtype=bool), noise.size) or _by_noise(x, noise, names, FACTORS["angular_rate"])
+        )
+        assert len(columns) == k
+        assert may or not found
+        passed, changed = passed + (not may), changed + found
+    assert changed > 5 if kind in ("step", "scale") else passed > 20 or kind == "walk"

@@ -3,11 +3,238 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled
 
 ROUNDED = 1e-9  # relative, more than means may differ by rounding
+SURE = 1e-6  # relative, more than what is judged may differ by rounding
+MAD = 1.4826  # standard deviation of normal noise over the median distance from its median
+TYPICAL = 0.8  # of the mean step of normal noise: its median step is 0.85 of it
+FEW_BLOCKS = 8  # that changes of the noise are looked for in
+NEXT = 4  # blocks on each side of a change
+STRETCH = 8, 64, 2048  # samples of a line: fewest, those that tell the noise of shorter ones, and most
+
+
+@compiled
+def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Array) -> bool:
+    """Return whether a record (channels, n) without gaps may hold a change of its noise, or a clear jump.
+
+    A part of ``changes`` and ``jumps`` for records that hold none: ``block``, samples in which the noise is taken;
+    ``sizes`` (4,), of means that jumps are looked for in: samples of a record, factor, neighbours and fewest of these;
+    ``rules`` (8,): least change of the noise, ``abrupt`` and ``least`` of a jump, ``clear``, ``fits`` and ``bent`` of a
+    line, lengths in a row that do not fit, and blocks that tell a level.
+    """
+    if _noise_may_change(columns, block, rules[0]):
+        return True
+    fewest, longer, around, few = sizes
+    size = 1
+    while columns.shape[1] // size >= fewest:
+        gap = 1 if size == 1 else 2
+        if may_stand_out(columns, size, gap, around, few, rules[1], rules[2]):
+            if _may_jump(columns, size, gap, around, few, block, rules):
+                return True
+        size *= longer
+    return False
+
+
+@compiled
+def _noise_may_change(columns: Array, block: int, least: float) -> bool:
+    """Return whether the noise of blocks may change so much: see ``changes``, of which this is the first part."""
+    channels, n = columns.shape
+    many = (n - 2) // block
+    size, alike = np.empty((channels, max(many, 0))), True
+    for channel in range(channels):
+        x, least_sum, largest_sum, whole = columns[channel], np.inf, 0.0, 0.0
+        for k in range(many):
+            total = 0.0
+            for i in range(k * block, (k + 1) * block):
+                total += abs(x[i + 2] - 2.0 * x[i + 1] + x[i])
+            size[channel, k], whole = total, whole + total
+            least_sum, largest_sum = min(least_sum, total), max(largest_sum, total)
+        if many > 0 and not (least_sum > 0.0 and largest_sum < np.inf):
+            return True
+        alike = alike and not _half_lies_off(size[channel], whole / max(many, 1), np.exp(0.5 * least) * (1.0 - SURE))
+    if many < FEW_BLOCKS or alike:
+        return False
+    walk, ranks = np.zeros(many, dtype=np.int64), np.empty(many, dtype=np.int64)
+    for channel in range(channels):
+        ranks[np.argsort(size[channel])] = np.arange(many)
+        total_rank = 0
+        for k in range(many):
+            total_rank += ranks[k]
+            walk[k] += 2 * total_rank - (many - 1) * (k + 1)
+    at = NEXT
+    for k in range(NEXT - 1, many - NEXT):
+        if abs(walk[k]) > abs(walk[at - 1]):
+            at = k + 1
+    ratio = np.empty(channels)
+    for channel in range(channels):
+        ratio[channel] = _log_median(size[channel, at:]) - _log_median(size[channel, :at])
+    return bool(abs(np.median(ratio)) > least * (1.0 - SURE))
+
+
+@compiled
+def _half_lies_off(values: Array, level: float, times: float) -> bool:
+    """Return whether half of the values up to some place, or from it on, are so many times a level, or that part of it.
+
+    Else the medians before and after no place differ by the square of it.
+    """
+    n, high, low = len(values), level * times, level / times
+    for way in range(2):
+        above, below = 0, 0
+        for k in range(n):
+            value = values[n - 1 - k] if way else values[k]
+            above, below = above + (value >= high), below + (value <= low)
+            if k + 1 >= NEXT and 2 * max(above, below) >= k + 1:
+                return True
+    return False
+
+
+@compiled
+def _log_median(values: Array) -> float:
+    """Return the median of the logarithms of values."""
+    ordered, half = np.sort(values), len(values) // 2
+    upper = np.log(ordered[half])
+    return upper if len(values) % 2 == 1 else 0.5 * (upper + np.log(ordered[half - 1]))
+
+
+@compiled
+def _may_jump(columns: Array, size: int, gap: int, around: int, few: int, block: int, rules: Array) -> bool:
+    """Return whether a step between means of so many samples that stands out may be a clear jump."""
+    channels, n = columns.shape
+    many, room = n // size, n // size - gap
+    means = np.empty((channels, many))
+    for channel in range(channels):
+        for k in range(many):
+            means[channel, k] = np.mean(columns[channel, k * size : (k + 1) * size])
+    for channel in range(channels):
+        step = np.abs(means[channel, gap:] - means[channel, :-gap])
+        typical, below = TYPICAL * np.mean(step), 0  # no larger than the median, mostly
+        for i in range(room):
+            below += step[i] < typical
+        typical = np.median(step) if below > (room - 1) // 2 else typical
+        limit = rules[2] * max(typical, ROUNDED * np.abs(means[channel]).max()) * (1.0 - SURE)
+        for i in range(room):
+            if step[i] <= limit:
+                continue
+            beside = 0.0
+            if i >= gap + few:
+                for k in range(max(i - gap - around, 0), i - gap):
+                    beside = max(beside, step[k])
+            if i < room - gap - few:
+                for k in range(i + gap, min(i + gap + around, room)):
+                    beside = max(beside, step[k])
+            if step[i] - rules[1] * beside <= limit:
+                continue
+            at = i + 1 if size == 1 else _best_split(columns, i * size, (i + gap + 1) * size)
+            if _may_be_clear(columns, at, block, rules):
+                return True
+    return False
+
+
+@compiled
+def _best_split(columns: Array, first: int, last: int) -> int:
+    """Return the sample between which and the one before two levels explain a stretch best."""
+    n = last - first
+    gain = np.zeros(n - 1)
+    for channel in range(columns.shape[0]):
+        part = columns[channel, first:last] - np.mean(columns[channel, first:last])
+        scale, total = max(np.sum(part * part) / n, 1e-300), 0.0
+        for i in range(n - 1):
+            total += part[i]
+            gain[i] += total * total / scale * (1.0 / (i + 1) + 1.0 / (n - i - 1))
+    return first + int(np.argmax(gain)) + 1
+
+
+@compiled
+def _may_be_clear(columns: Array, at: int, block: int, rules: Array) -> bool:
+    """Return whether the levels before and after a sample may differ clearly: by lines, or by all that lies there."""
+    channels, n = columns.shape
+    level, u = np.empty((2, channels)), np.empty((2, channels))
+    if not (_fill_line(columns, at - 1, -1, at, rules, level[0], u[0])
+            and _fill_line(columns, at, 1, n - at, rules, level[1], u[1])):  # fmt: skip
+        return False
+    for channel in range(channels):
+        if abs(level[1, channel] - level[0, channel]) > (1.0 - SURE) * rules[3] * np.hypot(
+            u[0, channel], u[1, channel]
+        ):
+            return True
+    if min(at, n - at) < rules[7] * block:
+        return False
+    for channel in range(channels):
+        for side in range(2):
+            x = columns[channel, at:] if side else columns[channel, :at]
+            means = np.empty(len(x) // block)
+            for k in range(len(means)):
+                means[k] = np.mean(x[k * block : (k + 1) * block])
+            level[side, channel] = np.median(means)
+            u[side, channel] = 0.5 * MAD * np.median(np.abs(means - level[side, channel]))
+        if abs(level[1, channel] - level[0, channel]) > (1.0 - SURE) * rules[3] * np.hypot(
+            u[0, channel], u[1, channel]
+        ):
+            return True
+    return False
+
+
+@compiled
+def _fill_line(columns: Array, first: int, way: int, room: int, rules: Array, level: Array, u: Array) -> bool:
+    """Fill level and uncertainty at a sample, of each channel, from the longest stretch a line fits; False for none.
+
+    The stretch begins there and goes on by ``way``, 1 or -1, as far as there is ``room``.
+    """
+    channels = columns.shape[0]
+    size, failed, number, found = STRETCH[0], 0, 0, False
+    noise = np.empty((16, channels))  # of stretches of 8, 16, 32 ...
+    while room >= size and size <= STRETCH[2] and failed < rules[6]:
+        middle, half = 0.5 * size - 0.5, 0.5 * size
+        moment = size * (size * size - 1.0) / 12.0
+        fits, more, alike = True, 1.0 + rules[4] / np.sqrt(size), 1.5 + rules[4] / np.sqrt(half)
+        own_level, own_u = np.empty(channels), np.empty(channels)
+        for channel in range(channels):
+            part = np.empty(size)
+            for i in range(size):
+                part[i] = columns[channel, first + way * i]
+            mean, slope = np.mean(part), 0.0
+            for i in range(size):
+                slope += part[i] * (i - middle)
+            slope /= moment
+            square, bend, twist, of_bend, of_twist = 0.0, 0.0, 0.0, 0.0, 0.0
+            for i in range(size):
+                t = (i - middle) / half
+                rest, one, other = part[i] - mean - slope * (i - middle), 1.5 * t * t - 0.5, (2.5 * t * t - 1.5) * t
+                square += rest * rest
+                bend, twist = bend + rest * one, twist + rest * other
+                of_bend, of_twist = of_bend + one * one, of_twist + other * other
+            scatter, own = np.sqrt(square / (size - 2)), _white(part)
+            noise[number, channel] = own
+            close = noise[max(number - 2, 0), channel]
+            most = rules[5] * own
+            fits = fits and abs(bend) <= most * np.sqrt(of_bend) and abs(twist) <= most * np.sqrt(of_twist)
+            fits = fits and scatter <= more * own and close <= alike * own and own <= alike * close
+            if size < STRETCH[1]:
+                near = np.empty(min(room, STRETCH[1]))
+                for i in range(len(near)):
+                    near[i] = columns[channel, first + way * i]
+                scatter = max(scatter, _white(near))
+            own_u[channel] = scatter * np.sqrt(1.0 / size + half * half / moment)
+            own_level[channel] = mean - slope * half
+        if fits or not found:
+            level[:], u[:], found = own_level, own_u, True
+        failed = 0 if fits else failed + 1
+        size, number = 2 * size, number + 1
+    return found
+
+
+@compiled
+def _white(part: Array) -> float:
+    """Return the standard deviation of white noise with the second differences of a stretch."""
+    total = 0.0
+    for i in range(len(part) - 2):
+        second = part[i + 2] - 2.0 * part[i + 1] + part[i]
+        total += second * second
+    return np.sqrt(total / (len(part) - 2) / 6.0)
 
 
 @compiled

@@ -29,9 +29,9 @@ from ..remembered import remembered
 from ..time.samples import Flags, Indices
 from ..vibration.recognised import recognised
 from .change import ANY, FACTORS, Change, Factors, unit_of
-from .jumps import CLEAR, FEWEST, OFFSET, Jump, candidates, common_factor, jump_at, jumps
+from .jumps import CLEAR, FEWEST, OFFSET, Jump, candidates, common_factor, jump_at, jumps, may_jump
 from .levels import by_levels
-from .noise import LEAST_NOISE, SAME_NOISE, Noise, refined
+from .noise import LEAST_NOISE, SAME_NOISE, Noise, block_of, refined
 from .response import by_response, exchanged_response
 
 MOST = 400_000  # samples that are looked at; a longer record is averaged down to so many
@@ -113,7 +113,7 @@ def changes(
         motion = 0.0 if interval is not None and interval * size <= TURNED_WITHIN else np.inf
     elif kind == "angular_rate" and not at_rest and given is None:
         motion = np.inf if interval is None else STARTED * interval * size / scale
-    record = _Record(x, cut, Noise.of(x))
+    record = _Record(x, cut)
     factors = FACTORS.get(kind, ANY)
     found = _found(record, names, factors, given, motion)
     if not found and len(stored) == x.shape[1]:
@@ -148,10 +148,21 @@ class _Record:
 
     x: Array  # shape (n, channels)
     cut: Flags  # shape (n,): whether a gap lies before a sample
-    noise: Noise
     base: _Record | None = None
     gain: Array | None = None
     zero: Array | None = None
+
+    @cached_property
+    def noise(self) -> Noise:
+        """Of each channel."""
+        if self.base is not None and self.gain is not None:
+            return self.base.noise.mapped(self.gain)
+        return Noise.of(self.x)
+
+    @property
+    def may_change(self) -> bool:
+        """Whether its noise may change by the factor of a unit, or its levels jump: one look, where all is sound."""
+        return bool(self.cut.any()) or may_jump(self.x, block_of(len(self.x)), float(LEAST_NOISE))
 
     @cached_property
     def jumps(self) -> list[Jump]:
@@ -165,6 +176,8 @@ def _found(
     record: _Record, names: Sequence[str], factors: Factors, applied: Array | None, motion: float
 ) -> list[Change]:
     """Return what changes, by the first kind of evidence that shows it: response, noise, levels."""
+    if applied is None and not record.may_change:
+        return []
     x, noise = record.x, record.noise
     found: list[Change] = []
     if applied is not None:
@@ -201,8 +214,8 @@ def _as_stored(record: _Record, columns: Array) -> _Record:
     zero = centre - gain * middle
     off = np.abs(columns - gain * x - zero)
     if np.isfinite(gain).all() and np.all(gain != 0.0) and np.all(off <= SAME * np.abs(columns - centre).max(axis=0)):
-        return _Record(columns, record.cut, record.noise.mapped(gain), record, gain, zero)
-    return _Record(columns, record.cut, Noise.of(columns))
+        return _Record(columns, record.cut, record, gain, zero)
+    return _Record(columns, record.cut)
 
 
 def averaged(x: NDArray[Any], size: int) -> Array:

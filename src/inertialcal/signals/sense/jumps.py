@@ -33,11 +33,16 @@ FEWEST_BLOCKS = 8  # on each side, that tell the level of all that lies there
 
 
 class Loops:
-    """The loop of ``_kernels`` where that takes too long to load."""
+    """The loops of ``_kernels`` where these take too long to load."""
 
     @staticmethod
     def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
         """Return True: the search itself takes no longer."""
+        return True
+
+    @staticmethod
+    def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Array) -> bool:
+        """Return True, too."""
         return True
 
 
@@ -102,6 +107,26 @@ def jumps(x: Array, cut: NDArray[np.bool_], size: int) -> list[Jump]:
     means = _block_means(columns, size) if found else columns
     found += [_whole(one, columns, size, means) for one in found]
     return [one for one in found if np.any(np.abs(one.step) > CLEAR * one.u)]
+
+
+SIZES = np.array([FEWEST, LONGER, NEIGHBOURS, BEFORE])
+RULES = ABRUPT, LEAST, CLEAR, FITS, BENT, PATIENCE, FEWEST_BLOCKS
+
+
+def may_jump(x: Array, size: int, noise: float) -> bool:
+    """Return whether a record may hold a clear jump, or a change of its noise by a factor of so much (logarithm).
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, channels)
+        Without missing samples or gaps.
+    size : int
+        Samples of a block of noise.
+    noise : float
+        Logarithm of the least factor.
+    """
+    rules = np.array([noise, *RULES])
+    return loops_for(len(x)).may_change(np.ascontiguousarray(x.T), size, SIZES, rules)
 
 
 @lru_cache(maxsize=16)

@@ -27,7 +27,7 @@ class Noise:
     @classmethod
     def of(cls, x: Array) -> Noise:
         """Return the noise of a record, shape (n, channels)."""
-        size = max(BLOCK, len(x) // BLOCKS)
+        size = block_of(len(x))
         n = (len(x) - 2) // size
         second = np.abs(np.diff(np.ascontiguousarray(x.T), 2, axis=1))[:, : n * size].reshape(-1, n, size)
         with np.errstate(divide="ignore"):
@@ -60,6 +60,11 @@ class Noise:
         scatter = [np.median(np.abs(part - middle_of(part)), axis=0) for part in parts]
         before, after = ((1.4826 * 1.2533 * one) ** 2 / len(part) for one, part in zip(scatter, parts, strict=True))
         return np.asarray(np.sqrt(before + after))
+
+
+def block_of(n: int) -> int:
+    """Return the samples of a block of a record of so many."""
+    return max(BLOCK, n // BLOCKS)
 
 
 def middle_of(logs: Array) -> Array:
