@@ -32,9 +32,9 @@ def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Arra
     size = 1
     while columns.shape[1] // size >= fewest:
         gap = 1 if size == 1 else 2
-        if may_stand_out(columns, size, gap, around, few, rules[1], rules[2]):
-            if _may_jump(columns, size, gap, around, few, block, rules):
-                return True
+        stands_out = may_stand_out(columns, size, gap, around, few, rules[1], rules[2])
+        if stands_out and _may_jump(columns, size, gap, around, few, block, rules):
+            return True
         size *= longer
     return False
 
@@ -97,7 +97,7 @@ def _log_median(values: Array) -> float:
     """Return the median of the logarithms of values."""
     ordered, half = np.sort(values), len(values) // 2
     upper = np.log(ordered[half])
-    return upper if len(values) % 2 == 1 else 0.5 * (upper + np.log(ordered[half - 1]))
+    return float(upper if len(values) % 2 == 1 else 0.5 * (upper + np.log(ordered[half - 1])))
 
 
 @compiled
@@ -157,9 +157,8 @@ def _may_be_clear(columns: Array, at: int, block: int, rules: Array) -> bool:
             and _fill_line(columns, at, 1, n - at, rules, level[1], u[1])):  # fmt: skip
         return False
     for channel in range(channels):
-        if abs(level[1, channel] - level[0, channel]) > (1.0 - SURE) * rules[3] * np.hypot(
-            u[0, channel], u[1, channel]
-        ):
+        limit = (1.0 - SURE) * rules[3] * np.hypot(u[0, channel], u[1, channel])
+        if abs(level[1, channel] - level[0, channel]) > limit:
             return True
     if min(at, n - at) < rules[7] * block:
         return False
@@ -171,9 +170,8 @@ def _may_be_clear(columns: Array, at: int, block: int, rules: Array) -> bool:
                 means[k] = np.mean(x[k * block : (k + 1) * block])
             level[side, channel] = np.median(means)
             u[side, channel] = 0.5 * MAD * np.median(np.abs(means - level[side, channel]))
-        if abs(level[1, channel] - level[0, channel]) > (1.0 - SURE) * rules[3] * np.hypot(
-            u[0, channel], u[1, channel]
-        ):
+        limit = (1.0 - SURE) * rules[3] * np.hypot(u[0, channel], u[1, channel])
+        if abs(level[1, channel] - level[0, channel]) > limit:
             return True
     return False
 
@@ -234,7 +232,7 @@ def _white(part: Array) -> float:
     for i in range(len(part) - 2):
         second = part[i + 2] - 2.0 * part[i + 1] + part[i]
         total += second * second
-    return np.sqrt(total / (len(part) - 2) / 6.0)
+    return float(np.sqrt(total / (len(part) - 2) / 6.0))
 
 
 @compiled
