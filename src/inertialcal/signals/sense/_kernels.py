@@ -42,37 +42,21 @@ def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Arra
 @compiled
 def _noise_may_change(columns: Array, block: int, least: float) -> bool:
     """Return whether the noise of blocks may change so much: see ``changes``, of which this is the first part."""
-    channels, n = columns.shape
-    many = (n - 2) // block
-    size, alike = np.empty((channels, max(many, 0))), True
-    for channel in range(channels):
-        x, least_sum, largest_sum, whole = columns[channel], np.inf, 0.0, 0.0
+    many = (columns.shape[1] - 2) // block
+    size, off = np.empty(many), 0
+    for x in columns:
+        least_sum, largest_sum, whole = np.inf, 0.0, 0.0
         for k in range(many):
             total = 0.0
             for i in range(k * block, (k + 1) * block):
                 total += abs(x[i + 2] - 2.0 * x[i + 1] + x[i])
-            size[channel, k], whole = total, whole + total
+            size[k], whole = total, whole + total
             least_sum, largest_sum = min(least_sum, total), max(largest_sum, total)
         if many > 0 and not (least_sum > 0.0 and largest_sum < np.inf):
             return True
-        alike = alike and not _half_lies_off(size[channel], whole / max(many, 1), np.exp(0.5 * least) * (1.0 - SURE))
-    if many < FEW_BLOCKS or alike:
-        return False
-    walk, ranks = np.zeros(many, dtype=np.int64), np.empty(many, dtype=np.int64)
-    for channel in range(channels):
-        ranks[np.argsort(size[channel])] = np.arange(many)
-        total_rank = 0
-        for k in range(many):
-            total_rank += ranks[k]
-            walk[k] += 2 * total_rank - (many - 1) * (k + 1)
-    at = NEXT
-    for k in range(NEXT - 1, many - NEXT):
-        if abs(walk[k]) > abs(walk[at - 1]):
-            at = k + 1
-    ratio = np.empty(channels)
-    for channel in range(channels):
-        ratio[channel] = _log_median(size[channel, at:]) - _log_median(size[channel, :at])
-    return bool(abs(np.median(ratio)) > least * (1.0 - SURE))
+        if many >= FEW_BLOCKS:
+            off += _half_lies_off(size, whole / many, np.exp(0.5 * least) * (1.0 - SURE))
+    return off > 0 and 2 * off >= len(columns)  # the median of all channels must change
 
 
 @compiled
@@ -90,14 +74,6 @@ def _half_lies_off(values: Array, level: float, times: float) -> bool:
             if k + 1 >= NEXT and 2 * max(above, below) >= k + 1:
                 return True
     return False
-
-
-@compiled
-def _log_median(values: Array) -> float:
-    """Return the median of the logarithms of values."""
-    ordered, half = np.sort(values), len(values) // 2
-    upper = np.log(ordered[half])
-    return float(upper if len(values) % 2 == 1 else 0.5 * (upper + np.log(ordered[half - 1])))
 
 
 @compiled
