@@ -30,6 +30,7 @@ CUT = 5.0  # times the level, to which single large values are cut
 MAD = 0.6745  # median of |x| of normal noise
 CODES = 32_000.0  # of distances, so that they fit into 16 bits
 REACH = 3  # codes within which the distance of a sample is known
+BIN, LAST = 6, 63  # bits of the codes that are counted together, and the last of these
 COARSE = 8  # one sample in so many may lie near a rank
 LANES = 32  # runs of samples that medians are taken of at a time
 BINS = 512  # in which values are counted
@@ -215,12 +216,29 @@ def fill_ranked(x: Samples, m: int, ranks: Indices, out: Array) -> bool:
     they tell each distance to a code, and those near a rank are then taken exactly. Returns False, where samples are
     missing, or codes are too coarse for that.
     """
+    least, largest = np.inf, -np.inf
+    for i in range(len(x)):
+        value = np.float64(x[i])
+        if not np.isfinite(value):
+            return False
+        least, largest = min(least, value), max(largest, value)
+    return _fill_ranked(x, m, ranks, out, least, largest)
+
+
+@compiled
+def _fill_ranked(x: Samples, m: int, ranks: Indices, out: Array, least: float, largest: float) -> bool:
+    """Fill ranks of the distances from the running median of finite samples between a least and a largest one.
+
+    Distances in codes are counted in bins, and in each code of the bins near a rank, which may lie in any of three.
+    """
     n = len(x)
-    codes, edges = np.empty(n, dtype=np.int16), _ends(x)
-    low, scale = edges[0], CODES / (edges[1] - edges[0])
+    some = np.sort(x[:: max(n // BINS, 1)].astype(np.float64))
+    low, high = some[len(some) // 50], some[len(some) - 1 - len(some) // 50]  # a few samples may be far off
+    low, high = max(least, low - 2.0 * (high - low)), min(largest, high + 2.0 * (high - low))
+    scale = CODES / (high - low)
     if not (0.0 < scale < np.inf):
         return False
-    clipped = 0
+    codes, clipped = np.empty(n, dtype=np.int16), 0
     for i in range(n):
         code = (np.float64(x[i]) - low) * scale
         clipped += not 0.0 <= code <= CODES
@@ -230,58 +248,57 @@ def fill_ranked(x: Samples, m: int, ranks: Indices, out: Array) -> bool:
         return False
     medians = np.empty(last - first, dtype=np.int16)
     _fill_medians(codes, first, medians)
-    apart, exact = np.empty(m, dtype=np.int64), np.empty(1)
+    apart, exact = np.empty(m, dtype=np.int32), np.empty(1)
+    for i in range(last - first):
+        middle, code = np.int32(medians[i]), np.int32(codes[first + i])
+        known = 0 < middle < CODES and 0 < code < CODES
+        apart[first + i] = abs(code - middle) if known else -1
+    apart[:first], apart[last:] = -1, -1
     for i in range(m):
-        inside = first <= i < last
-        middle = medians[i - first] if inside else np.int16(1)
-        if not 0 < middle < CODES:
-            return False
-        if inside and 0 < codes[i] < CODES:
-            apart[i] = abs(np.int64(codes[i]) - np.int64(middle))
-        else:
+        if apart[i] < 0:
+            if first <= i < last and not 0 < medians[i - first] < CODES:
+                return False
             from_median(x, i, i + 1, exact)
-            apart[i] = np.int64(min(abs(exact[0]) * scale, CODES))
-    counts = np.zeros(int(CODES) + 2, dtype=np.int64)
+            apart[i] = np.int32(min(abs(exact[0]) * scale, CODES))
+    own_bins = np.zeros(((int(CODES) >> BIN) + 3, 4), dtype=np.int64)  # of every fourth distance, in the bin before
     for i in range(m):
-        counts[apart[i] + 1] += 1
-    for i in range(len(counts) - 1):
-        counts[i + 1] += counts[i]  # now: of the distances below a code
-    near = np.empty(len(ranks), dtype=np.int64)
-    wanted, many = np.zeros(len(counts), dtype=np.bool_), 0
+        own_bins[(apart[i] >> BIN) + 1, i & 3] += 1
+    bins = np.zeros(len(own_bins), dtype=np.int64)  # of distances below a bin
+    for k in range(1, len(bins)):
+        bins[k] = bins[k - 1] + ((own_bins[k, 0] + own_bins[k, 1]) + (own_bins[k, 2] + own_bins[k, 3]))
+    place, many = np.full(len(bins), -1, dtype=np.int32), 0  # of the counts of its codes
     for k in range(len(ranks)):
-        near[k] = np.searchsorted(counts, ranks[k], side="right") - 1
-        if near[k] + REACH >= CODES:
+        own = np.searchsorted(bins, ranks[k], side="right") - 1
+        for one in range(max(own - 1, 0), min(own + 2, len(bins) - 1)):
+            if place[one] < 0:
+                place[one], many = many << BIN, many + 1
+    counts, near = np.zeros((many << BIN) + 1, dtype=np.int64), np.empty(m, dtype=np.int32)
+    many = 0
+    for i in range(m):
+        at = place[apart[i] >> BIN]
+        if at >= 0:
+            near[many], many = i, many + 1
+            counts[at + (apart[i] & LAST)] += 1
+    size, wanted = np.empty(many), 0
+    for k in range(len(ranks)):
+        own = np.searchsorted(bins, ranks[k], side="right") - 1
+        code, below = own << BIN, bins[own]
+        while below + counts[place[own] + (code & LAST)] <= ranks[k]:
+            below, code = below + counts[place[own] + (code & LAST)], code + 1
+        if code + REACH >= CODES:
             return False
-        least, most = max(near[k] - REACH, 0), near[k] + REACH + 1
-        wanted[least:most] = True
-        many += counts[most] - counts[least]
-    if many > m // COARSE + len(ranks) * REACH:
-        return False
-    size, place, found = np.empty(many), np.empty(many, dtype=np.int64), 0
-    for i in range(m):
-        if wanted[apart[i]]:
-            from_median(x, i, i + 1, exact)
-            size[found], place[found] = abs(exact[0]), apart[i]
-            found += 1
-    for k in range(len(ranks)):
-        least = max(near[k] - REACH, 0)
-        some = size[:found][(place[:found] >= least) & (place[:found] <= near[k] + REACH)]
-        out[k] = np.sort(some)[ranks[k] - counts[least]]
+        bottom, found = max(code - REACH, 0), 0
+        for one in range(bottom, code):
+            below -= counts[place[one >> BIN] + (one & LAST)]
+        for i in near[:many]:
+            if bottom <= apart[i] <= code + REACH:
+                from_median(x, i, i + 1, exact)
+                size[found], found = abs(exact[0]), found + 1
+        wanted += found
+        if wanted > m // COARSE + len(ranks) * REACH:
+            return False
+        out[k] = np.sort(size[:found])[ranks[k] - below]
     return True
-
-
-@compiled
-def _ends(x: Samples) -> tuple[float, float]:
-    """Return ends that nearly all samples lie between, a few of them far off at most; NaN where some are missing."""
-    least, largest = np.inf, -np.inf
-    for i in range(len(x)):
-        value = np.float64(x[i])
-        if not np.isfinite(value):
-            return np.nan, np.nan
-        least, largest = min(least, value), max(largest, value)
-    some = np.sort(x[:: max(len(x) // BINS, 1)].astype(np.float64))
-    low, high = some[len(some) // 50], some[len(some) - 1 - len(some) // 50]
-    return max(least, low - 2.0 * (high - low)), min(largest, high + 2.0 * (high - low))
 
 
 @compiled
@@ -466,14 +483,21 @@ def look(
     for k in range(b):
         lo[k], hi[k] = lo[k] ^ ((lo[k] >> last) & flip), hi[k] ^ ((hi[k] >> last) & flip)
     least, largest = lo.view(x.dtype).astype(np.float64), hi.view(x.dtype).astype(np.float64)
-    good = good and least.min() > -HUGE and largest.max() < HUGE
-    step = np.inf
+    lowest, highest = least.min(), largest.max()
+    good = good and lowest > -HUGE and highest < HUGE
+    steps = np.full(4, np.inf)
     for first in range(0, len(x) // PIECE * PIECE if good else 0, PIECE):
         row = x[first : first + PIECE]
-        for i in range(PIECE - 1):
-            apart = abs(np.float64(row[i + 1]) - np.float64(row[i]))
-            step = apart if 0.0 < apart < step else step
-    good = good and fill_ranked(x, len(x) // PIECE * PIECE, ranks, found)
+        own, others, third, fourth = steps
+        for i in range(0, PIECE - 3, 4):  # the last step leads to the next piece, which no step of a piece does
+            a, b, c, d = np.float64(row[i]), np.float64(row[i + 1]), np.float64(row[i + 2]), np.float64(row[i + 3])
+            e = np.float64(row[i + 4]) if i + 4 < PIECE else d
+            b, c, d, e = abs(b - a), abs(c - b), abs(d - c), abs(e - d)
+            own, others = b if 0.0 < b < own else own, c if 0.0 < c < others else others
+            third, fourth = d if 0.0 < d < third else third, e if 0.0 < e < fourth else fourth
+        steps[0], steps[1], steps[2], steps[3] = own, others, third, fourth
+    step = steps.min()
+    good = good and _fill_ranked(x, len(x) // PIECE * PIECE, ranks, found, lowest, highest)
     return good, step if step < np.inf else 0.0, least, largest, mean, rough, same
 
 
