@@ -488,14 +488,14 @@ def look(
     steps = np.full(4, np.inf)
     for first in range(0, len(x) // PIECE * PIECE if good else 0, PIECE):
         row = x[first : first + PIECE]
-        own, others, third, fourth = steps
-        for i in range(0, PIECE - 3, 4):  # the last step leads to the next piece, which no step of a piece does
-            a, b, c, d = np.float64(row[i]), np.float64(row[i + 1]), np.float64(row[i + 2]), np.float64(row[i + 3])
-            e = np.float64(row[i + 4]) if i + 4 < PIECE else d
-            b, c, d, e = abs(b - a), abs(c - b), abs(d - c), abs(e - d)
-            own, others = b if 0.0 < b < own else own, c if 0.0 < c < others else others
-            third, fourth = d if 0.0 < d < third else third, e if 0.0 < e < fourth else fourth
-        steps[0], steps[1], steps[2], steps[3] = own, others, third, fourth
+        one, two, three, four = steps
+        for i in range(0, PIECE, 4):
+            p, q, r, s = np.float64(row[i]), np.float64(row[i + 1]), np.float64(row[i + 2]), np.float64(row[i + 3])
+            t = np.float64(row[i + 4]) if i + 4 < PIECE else s  # no step leads to the next piece
+            q, r, s, t = abs(q - p), abs(r - q), abs(s - r), abs(t - s)
+            one, two = q if 0.0 < q < one else one, r if 0.0 < r < two else two
+            three, four = s if 0.0 < s < three else three, t if 0.0 < t < four else four
+        steps[0], steps[1], steps[2], steps[3] = one, two, three, four
     step = steps.min()
     good = good and _fill_ranked(x, len(x) // PIECE * PIECE, ranks, found, lowest, highest)
     return good, step if step < np.inf else 0.0, least, largest, mean, rough, same
