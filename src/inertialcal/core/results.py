@@ -240,5 +240,7 @@ def finite(number: float | None) -> float | None:
 
 def by_quantity(rows: Sequence[Row]) -> list[Row]:
     """Return rows with those of one quantity together, in the order of their first."""
-    order = list(dict.fromkeys((row.test, row.quantity) for row in rows))
-    return sorted(rows, key=lambda row: order.index((row.test, row.quantity)))
+    found: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        found.setdefault((row.test, row.quantity), []).append(row)
+    return [row for own in found.values() for row in own]

@@ -113,6 +113,8 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
     if gyro is not None:
         rate = _in_si(gyro.mean, gyro.unit == "rad/s", plan.gyro_scale_factor, plan.gyro_zero)
         wrong |= False if rate is None else _turning(rate)
+    if not wrong.any():
+        return
     for part in _parts(readings, wrong, 2):
         inside = slice(part.first, part.last + 1)
         own = size[inside]

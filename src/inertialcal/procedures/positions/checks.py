@@ -326,11 +326,12 @@ def _hardly_determined(result: Result) -> list[Remark]:
     one, g = result.estimates.get("accelerometer"), local_gravity(result.plan)
     if one is None or result.acc.known:
         return []
-    wide = []
-    for key, u, dof in zip(one.keys, one.u, one.dof, strict=True):
-        half = float(stdtrit(dof, 0.975)) * u / (g if key.quantity == "bias" else 1.0)
-        if key.quantity in PRIOR_UNIT and half > WIDE_INTERVAL:
-            wide.append(f"{key.quantity} {key.axis}")
+    half = stdtrit(one.dof, 0.975) * one.u
+    wide = [
+        f"{key.quantity} {key.axis}"
+        for key, size in zip(one.keys, half.tolist(), strict=True)
+        if key.quantity in PRIOR_UNIT and size / (g if key.quantity == "bias" else 1.0) > WIDE_INTERVAL
+    ]
     if not wide:
         return []
     what = f"intervals wider than {100.0 * WIDE_INTERVAL:.0f} % of gravity, or of the scale factor: {', '.join(wide)}"

@@ -116,6 +116,8 @@ def published_rows(readings: Readings, gravity: float) -> list[Row]:
     Six faces are enough for the accelerometers.
     """
     found: list[Row] = []
+    if readings.direction is None:
+        return found
     with suppress(DataError):  # other positions than its six faces
         K, R, b = six_faces(readings, gravity)
         found += _form_rows("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})

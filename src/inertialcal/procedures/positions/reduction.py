@@ -39,7 +39,7 @@ from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from ..corrections import TakenOff
 from .checks import check_units, judged_scale, remarks_of, start_of
-from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_many_unknown, fit_unknown
+from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_many_known, fit_many_unknown, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import NO_SCALE, FittedGyro, fit_gyro, problem_of, without_scale
 from .fit.linear_sensor import LinearSensor, after_corrections, rounded_scale, with_ideal
@@ -165,11 +165,6 @@ class _Unit:
     gyro: FittedGyro | None = None
     found: list[Remark] = field(default_factory=list[Remark])
 
-    @property
-    def simple(self) -> bool:
-        """Whether the lengths of the positions are all that is fitted, so that units alike are fitted at once."""
-        return not (self.plan.temperature_order or self.plan.priors or _is_known(self.readings))
-
 
 def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
     """Return the result of each unit as `reduce` gives it, or its refusal; units alike are fitted at once."""
@@ -182,7 +177,9 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             results[k] = error
     alike: dict[tuple[int, int], list[int]] = {}
     for k, unit in working.items():
-        alike.setdefault((id(unit.plan), len(unit.readings)) if unit.simple else (-1, k), []).append(k)
+        known = _is_known(unit.readings)
+        simple = not (unit.plan.temperature_order or (unit.plan.priors and not known))
+        alike.setdefault((id(unit.plan), -1 if known else len(unit.readings)) if simple else (-1, k), []).append(k)
     for at in alike.values():
         _fit([working[k] for k in at], at, results)
     for k, unit in working.items():
@@ -225,10 +222,7 @@ def _fit(units: Sequence[_Unit], at: Sequence[int], results: list[Result | Inert
     """Fit the accelerometers of units, at once where there are several; note who is refused."""
     if len(units) > 1:
         try:
-            made = fit_many_unknown(
-                units[0].plan, [one.readings.acc for one in units], [one.ideal for one in units],
-                [one.zero for one in units],
-            )  # fmt: skip
+            made = _fit_many(units[0].plan, units)
         except (InertialcalError, np.linalg.LinAlgError):  # of one of them: which, the units by themselves say
             for k, unit in zip(at, units, strict=True):
                 _fit([unit], [k], results)
@@ -244,6 +238,18 @@ def _fit(units: Sequence[_Unit], at: Sequence[int], results: list[Result | Inert
         unit.fitted, unit.prior = _accelerometers(unit.plan, unit.readings, unit.ideal, unit.zero)
     except InertialcalError as error:
         results[at[0]] = error
+
+
+def _fit_many(plan: Plan, units: Sequence[_Unit]) -> list[Fitted | DataError]:
+    """Return the fits of units of one plan: all of known orientation, or all of as many positions of which none is."""
+    ideals, zeros = [one.ideal for one in units], [one.zero for one in units]
+    if not _is_known(units[0].readings):
+        return fit_many_unknown(plan, [one.readings.acc for one in units], ideals, zeros)
+    directions = [one.readings.direction for one in units]
+    named = [(_named(one), one) for one in directions if one is not None]
+    triads = [one.readings.acc.take(own) for one, (own, _) in zip(units, named, strict=True)]
+    found = fit_many_known(plan, triads, [one[own] for own, one in named], ideals, zeros)
+    return [one if isinstance(one, DataError) else among(one, own) for one, (own, _) in zip(found, named, strict=True)]
 
 
 def _refer(unit: _Unit) -> None:

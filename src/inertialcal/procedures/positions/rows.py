@@ -21,7 +21,7 @@ from ...core.results import Interval, Row, not_estimated
 from ...core.units import normalise
 from ...sensors.model.assemble import NOT_ESTIMATED, in_units, model_from, parameters_of
 from ...sensors.model.sensor_model import SensorModel
-from ...statistics.intervals import chi_square_interval, t_interval
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import OF_FRAME, Fitted
 from .fit.fixture import FACE_FOUND, LAYING_FOUND
@@ -99,32 +99,44 @@ def _prior_rows(result: Result) -> list[Row]:
 
 
 def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, estimate: Estimate | None) -> list[Row]:
-    count = len(sensor.values)
-    wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
-    if sensor.temperature is not None:
-        wanted += list(zip(sensor.temperature.keys, sensor.temperature.units, strict=True))
-    if unit != UNIT[kind]:
-        wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted
-    why = {**reasons(sensor)}
-    if unit != UNIT[kind] and not result.plan.states_scale(kind):
+    own, stated = sensor.temperature, result.plan.states_scale(kind)
+    wanted = _wanted(kind, unit, len(sensor.values), () if own is None else (own.keys, own.units))
+    why = reasons(sensor)
+    if unit != UNIT[kind] and not stated:
+        why = dict(why)
         for axis, size in zip(AXES, sensor.ideal, strict=True):
             what = f"no nominal scale factor was stated to differ from; errors of the model refer to {size:.4g} "
             reason = Reason("no_nominal", f"{what}{unit}/({UNIT[kind]})")
-            for key, _ in wanted:
-                if key.quantity in RELATIVE and key.axis[0] == axis:
-                    why.setdefault(key, reason)
+            for name, _, _ in wanted:
+                if name.quantity in RELATIVE and name.axis[0] == axis:
+                    why.setdefault(name, reason)
     limits = Reason("relative", "relative to the fixture") if missing(result) else Reason()
-    found = []
-    for name, own in wanted:
-        key = name._replace(sensor=kind)
-        if (name.quantity in RELATIVE and name in why) or estimate is None or name not in estimate.keys:
-            found.append(not_estimated(key, own, why.get(name, NO_LEVEL)))
-            continue
-        k = estimate.index(name)
-        value, u, dof = float(estimate.values[k]), float(estimate.u[k]), float(estimate.dof[k])
-        finite = dof if np.isfinite(dof) else None
-        found.append(Row(key, value, u, estimate.units[k], finite, t_interval(value, u, dof), reason=limits))
+    figures: dict[Key, Row] = {}
+    if estimate is not None:
+        ends = t_intervals(estimate.values, estimate.u, estimate.dof)
+        numbers = zip(estimate.values.tolist(), estimate.u.tolist(), estimate.dof.tolist(), strict=True)
+        for name, one, (value, u, dof), between in zip(estimate.keys, estimate.units, numbers, ends, strict=True):
+            finite = dof if np.isfinite(dof) else None
+            figures[name] = Row(name._replace(sensor=kind), value, u, one, finite, between, reason=limits)
+    found = [
+        figures[name] if name in figures and not (name.quantity in RELATIVE and name in why)
+        else not_estimated(key, of, why.get(name, NO_LEVEL))
+        for name, key, of in wanted
+    ]  # fmt: skip
     return found + _next_rows(result, [row for row in found if row.key.quantity == "bias"])
+
+
+@lru_cache(maxsize=16)
+def _wanted(
+    kind: Kind, unit: str, count: int, over: tuple[()] | tuple[tuple[Key, ...], tuple[str, ...]]
+) -> tuple[tuple[Key, Key, str], ...]:
+    """Return the quantities of a sensor: as estimates name them, as rows do, and their units."""
+    wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
+    if over:
+        wanted += list(zip(*over, strict=True))
+    if unit != UNIT[kind]:
+        wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted
+    return tuple((name, name._replace(sensor=kind), own) for name, own in wanted)
 
 
 def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
@@ -138,7 +150,7 @@ def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
             found.append(not_estimated(key, row.unit, why if isinstance(why, Reason) else NO_LEVEL))
             continue
         u, dof = float(onward.u[k]), float(onward.dof[k])
-        found.append(replace(row, key=key, u=u, dof=dof, interval=t_interval(row.value, u, dof)))
+        found.append(row.changed(key=key, u=u, dof=dof, interval=t_interval(row.value, u, dof)))
     return found
 
 
@@ -171,7 +183,7 @@ def _between(key: Key, unit: str, fit: Fitted | TwoLevels | None) -> Row:
     if fit is None:
         return not_estimated(key, unit, NO_LEVEL)
     row = _scatter(key, unit, fit.between, fit.between_dof)
-    return row if row.value is None else replace(row, interval=Interval(*fit.between_interval))
+    return row if row.value is None else row.changed(interval=Interval(*fit.between_interval))
 
 
 def used_angles(result: Result) -> Array:
@@ -182,6 +194,7 @@ def used_angles(result: Result) -> Array:
     return np.asarray(gyro.angles[~gyro.rotated.outliers[: len(gyro.angles)]])
 
 
+@lru_cache(maxsize=16)
 def units_of(kind: Kind, count: int) -> tuple[str, ...]:
     """Return the units of so many numbers, 12 or 21, in the order of ``linear_sensor``."""
     unit = UNIT[kind]

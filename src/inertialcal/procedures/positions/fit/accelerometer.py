@@ -22,8 +22,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +37,8 @@ from ....statistics.two_levels import TwoLevels, fit_many_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
 from ._kernels_sphere import SETTLED, converge, converge_all, fill_lengths, fill_many_lengths, fit_spheres
-from .fixture import BETWEEN, INSIDE, Laid, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
-from .fixture import sources_of as fixture_sources
+from .fixture import BETWEEN, INSIDE, Laid, Tilts, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
+from .fixture import many_sources as fixture_sources
 from .linear_sensor import (
     BIAS,
     MATRIX,
@@ -63,6 +64,7 @@ Flags = NDArray[np.bool_]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 FLAT = np.array([3 * i + j for i, j in LOWER])
 NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, named as those of A
+ROTATIONS = np.array([np.cross(np.eye(3), axis) for axis in np.eye(3)])  # about each axis, by one
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
 LOST = 1.0  # standard uncertainty of a combination of size one (100 % of gravity), above which it is not determined
 UNKNOWN = 0.02  # standard uncertainty of such a combination, for parameters that hardly take part in it
@@ -122,11 +124,43 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     ideal, zero : ndarray, shape (3,)
         To which the readings are taken.
     """
+    found = fit_many_known(plan, [triad], [direction], [ideal], [zero])[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+def fit_many_known(
+    plan: Plan, triads: Sequence[Triad], directions: Sequence[Array], ideals: Sequence[Array], zeros: Sequence[Array]
+) -> list[Fitted | DataError]:
+    """Return what `fit_known` gives of each of many units, or why it is refused."""
+    found: list[Fitted | DataError | None] = [None] * len(triads)
+    laid: dict[int, tuple[Callable[[list[Source]], Fitted], Laid, Tilts]] = {}
+    for k, given in enumerate(zip(triads, directions, ideals, zeros, strict=True)):
+        try:
+            one = _fit_known(plan, *given)
+        except DataError as error:
+            found[k] = error
+            continue
+        if isinstance(one, Fitted):
+            found[k] = one
+        else:
+            laid[k] = one
+    sources = fixture_sources([(one, tilts) for _, one, tilts in laid.values()])
+    for (k, (finish, _, _)), own in zip(laid.items(), sources, strict=True):
+        found[k] = finish(own)
+    return [one for one in found if one is not None]
+
+
+def _fit_known(
+    plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Array
+) -> Fitted | tuple[Callable[[list[Source]], Fitted], Laid, Tilts]:
+    """Return the fit where nothing judges it; else what makes it of its sources, and what these follow from."""
     m, g = len(triad.mean), local_gravity(plan)
     _check_count(m)
     r, inside = normalised(triad, ideal, zero)
     tilts, everyone = tilts_of(direction, plan.standards), np.ones(m, dtype=bool)
-    observed = observe(derivatives(tilts.direction), (*MATRIX, *BIAS), float(np.sqrt(np.mean(inside))) / g)
+    observed = observe(tilts.design, (*MATRIX, *BIAS), float(np.sqrt(np.mean(inside))) / g)
     scale, usual = np.concatenate([np.ones(9), np.full(3, g)]), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
     back = scale[:, None] * observed.kept
     if not observed.rank or not judged(tilts, observed.rank):
@@ -135,8 +169,25 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
         sensor = sensor_of(plan, values, None, observed.determined, ideal, zero)
         return finished(sensor, observed, ~everyone, (y - design @ values).reshape(m, 3), None, known=True)
     laid, outliers = fit_agreeing(r, inside, g, tilts, observed.kept, plan.outlier_risk)
-    kept = ~outliers
-    sensor = sensor_of(plan, laid.values, fixture_sources(laid, chosen(tilts, kept)), observed.determined, ideal, zero)
+    return partial(_known, plan, triad, ideal, zero, tilts, observed, laid, outliers), laid, chosen(tilts, ~outliers)
+
+
+def _known(
+    plan: Plan,
+    triad: Triad,
+    ideal: Array,
+    zero: Array,
+    tilts: Tilts,
+    observed: Observability,
+    laid: Laid,
+    outliers: Flags,
+    sources: list[Source],
+) -> Fitted:
+    """Return the accelerometers from the fit of a fixture and the sources of its numbers."""
+    m, g, kept = len(triad.mean), local_gravity(plan), ~outliers
+    r, inside = normalised(triad, ideal, zero)
+    usual, back = np.concatenate([np.eye(3).ravel(), np.zeros(3)]), laid.back
+    sensor = sensor_of(plan, laid.values, sources, observed.determined, ideal, zero)
     stretch = np.ones(m)
     stretch[kept] = laid.stretch
     away = r - g * (tilts.direction * stretch[:, None]) @ sensor.matrix.T - sensor.offset
@@ -145,8 +196,8 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     scatter, dof = (None, 0.0) if laid.assumed else (found.variances[BETWEEN] ** 0.5, found.variance_dof(BETWEEN))
     limits = (0.0, np.inf) if scatter is None else scatter_interval(scatter, dof, found.variances_covariance[0, 0])
     fitted.deletion[kept] = found.deletion.reshape(-1, 3)
-    alone = derivatives(g * tilts.direction[kept]) @ back
-    noise = _chi_square(alone, r[kept].ravel() - derivatives(g * tilts.direction[kept]) @ usual, inside[kept].ravel())
+    alone = derivatives(g * tilts.direction[kept])
+    noise = _chi_square(alone @ back, r[kept].ravel() - alone @ usual, inside[kept].ravel())
     return replace(
         fitted, between=scatter, between_dof=dof, between_interval=limits, chi_square=found.chi_square,
         chi_square_known=noise, free=found.free, laid=laid,
@@ -478,9 +529,8 @@ def sensor_of(
 def mounting_source(values: Array, u: float, plan: Plan) -> Source:
     """Return what a common rotation of all positions and turns does to a matrix: A is taken for A R."""
     changes = np.zeros((3, len(values)))
-    for change, axis in zip(changes, np.eye(3), strict=True):
-        change[:9] = u * (values[:9].reshape(3, 3) @ np.cross(np.eye(3), axis)).ravel()
-    total = np.sum([np.outer(change, change) for change in changes], axis=0)
+    changes[:, :9] = u * (values[:9].reshape(3, 3) @ ROTATIONS).reshape(3, 9)
+    total = changes.T @ changes
     influence = plan.standards["fixture.mounting"]
     return Source("fixture.mounting", "B", total, influence.dof, influence, changes=changes, unknowns=tuple(AXES))
 

@@ -32,8 +32,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,10 +74,44 @@ class Tilts:
     same: Array  # shape (m, m): one where two layings are on one face
     stated: Mapping[str, Influence]  # ``fixture.orientation``, ``fixture.repeatability``, where they are stated
 
-    @property
+    @cached_property
     def repeated(self) -> bool:
         """Whether a face was laid again."""
         return bool(self.same.sum() > len(self.same))
+
+    @cached_property
+    def faces(self) -> Array:
+        """One row a face: one where a position lies on it, shape (faces, m)."""
+        return np.unique(self.same, axis=0)
+
+    @cached_property
+    def unknowns(self) -> tuple[str, ...]:
+        """Names of the tilts of the faces, two a face, in that order."""
+        names = [_face(self.direction[int(k)]) for k in np.argmax(self.faces, axis=1)]
+        return tuple(f"{name} {k}" for name in names for k in (1, 2))
+
+    @cached_property
+    def design(self) -> Array:
+        """Derivatives of the readings by A and b, for a gravity of one, shape (3 m, 12)."""
+        return derivatives(self.direction)
+
+    @cached_property
+    def lengths(self) -> int:
+        """Combinations of all numbers that the lengths along the directions determine."""
+        return self._lengths(np.eye(12))
+
+    def told(self, kept: Array) -> int:
+        """Return how many of the combinations ``kept``, shape (12, rank), these determine."""
+        return self.lengths if kept.shape[1] == len(kept) else self._lengths(kept)
+
+    def _lengths(self, kept: Array) -> int:
+        along = np.einsum("ki,kip->kp", self.direction, (self.design @ kept).reshape(len(self.same), 3, -1))
+        return int(np.linalg.matrix_rank(along, tol=1e-6))
+
+    @cached_property
+    def free(self) -> Tilts:
+        """The same without a stated error of the faces."""
+        return Tilts(self.direction, self.axes, self.same, {k: v for k, v in self.stated.items() if k != FACE})
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +135,22 @@ class Laid:
 
 def tilts_of(direction: Array, stated: Mapping[str, Influence]) -> Tilts:
     """Return positions as a fixture gives them; those of one direction lie on one face."""
+    return _tilts(np.asarray(direction, dtype=np.float64).tobytes(), stated.get(FACE), stated.get(LAYING))
+
+
+@lru_cache(maxsize=8)  # units of a lot are laid alike
+def _tilts(given: bytes, face: Influence | None, laying: Influence | None) -> Tilts:
+    direction = np.frombuffer(given).reshape(-1, 3)
     same = np.max(np.abs(direction[:, None] - direction[None]), axis=2) < SAME
     rounded = direction[np.argmax(same, axis=1)]
-    kept = {name: stated[name] for name in (FACE, LAYING) if name in stated}
+    kept = {name: one for name, one in ((FACE, face), (LAYING, laying)) if one is not None}
     return Tilts(rounded, np.swapaxes(across(rounded), 1, 2), same.astype(float), kept)
 
 
 def chosen(tilts: Tilts, kept: Flags) -> Tilts:
     """Return some of the positions."""
+    if kept.all():
+        return tilts
     return Tilts(tilts.direction[kept], tilts.axes[kept], tilts.same[np.ix_(kept, kept)], tilts.stated)
 
 
@@ -122,8 +165,7 @@ def derivatives(force: Array) -> Array:
 
 def judged(tilts: Tilts, rank: int) -> bool:
     """Tell whether anything judges the numbers: readings to spare on different faces, or a stated face error."""
-    faces = len({row.tobytes() for row in tilts.same})
-    return 3 * (len(tilts.same) if FACE in tilts.stated else faces) > rank
+    return 3 * len(tilts.same if FACE in tilts.stated else tilts.faces) > rank
 
 
 def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
@@ -145,7 +187,7 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
     found = _fit(r, inside, g, tilts, kept)
     if FACE not in tilts.stated:
         return found
-    free = Tilts(tilts.direction, tilts.axes, tilts.same, {k: v for k, v in tilts.stated.items() if k != FACE})
+    free = tilts.free
     if not judged(free, kept.shape[1]):
         return found
     other = _fit(r, inside, g, free, kept)
@@ -167,8 +209,7 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
     m = len(r)
     scale = np.concatenate([np.ones(9), np.full(3, g)])
     back = scale[:, None] * kept
-    along = np.einsum("ki,kip->kp", tilts.direction, (derivatives(tilts.direction) @ kept).reshape(m, 3, -1))
-    assumed = m <= int(np.linalg.matrix_rank(along, tol=1e-6))
+    assumed = m <= tilts.told(kept)
     wanted = [FACE_FOUND] if FACE not in tilts.stated else []
     wanted += [LAYING_FOUND] if LAYING not in tilts.stated and tilts.repeated else []
     n, p = 3 * m, kept.shape[1]
@@ -232,8 +273,33 @@ def _hidden(inside: Array, most: float) -> tuple[Array, float]:
     return np.full(len(own), UNKNOWN * most), 1.0 / UNKNOWN
 
 
-def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
-    """Return the sources of the twelve numbers."""
+def many_sources(fits: Sequence[tuple[Laid, Tilts]]) -> list[list[Source]]:
+    """Return the sources of the twelve numbers of each of many fits."""
+    judged_by = [_judged(laid, tilts) for laid, tilts in fits]
+    alike: dict[int, list[int]] = {}
+    for k, one in enumerate(judged_by):
+        alike.setdefault(len(one.exact), []).append(k)
+    for at in alike.values():
+        shares, dofs = [judged_by[k].shares for k in at], [judged_by[k].dof for k in at]
+        joined = dof_of_each(np.concatenate(shares, axis=1), np.concatenate(dofs)).reshape(-1, 12)
+        for k, dof in zip(at, joined, strict=True):
+            judged_by[k].dof[:] = dof
+    return [_sources(laid, tilts, one) for (laid, tilts), one in zip(fits, judged_by, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """What judges the twelve numbers of a fit."""
+
+    parts: Mapping[str, Array]  # Covariances of the numbers, by source, shape (12, 12)
+    exact: Mapping[str, Array]  # Those that are judged by the readings
+    cosine: Array  # That of the squares of the tilts
+    shares: Array  # shape (parts, 12): of the variances that are judged, by source
+    dof: Array  # shape (12,): of their sum; then of each
+    moved: Array  # shape (12, n): the numbers per reading
+
+
+def _judged(laid: Laid, tilts: Tilts) -> _Judged:
     found, back = laid.found, laid.back
     stated = {name: one for name, one in tilts.stated.items() if name != FACE or not laid.contradicted}
     parts = {name: propagated(back, one) for name, one in (*found.known.items(), *found.unknown.items())}
@@ -256,23 +322,26 @@ def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
     with np.errstate(divide="ignore", invalid="ignore"):
         dof = np.where(spread > 0.0, 2.0 * judged_by**2 / spread, np.inf)
         shares = np.array([np.diag(one) / judged_by for one in exact.values()])
-    dof = dof_of_each(np.nan_to_num(shares), np.where(judged_by > 0.0, dof, np.inf))
-    sources = []
-    for name, part in exact.items():
+    dof = np.where(judged_by > 0.0, dof, np.inf)
+    return _Judged(parts, exact, cosine, np.nan_to_num(shares), dof, moved)
+
+
+def _sources(laid: Laid, tilts: Tilts, judged_by: _Judged) -> list[Source]:
+    stated = {name: one for name, one in tilts.stated.items() if name != FACE or not laid.contradicted}
+    parts, cosine, moved, sources = judged_by.parts, judged_by.cosine, judged_by.moved, list[Source]()
+    for name, part in judged_by.exact.items():
         level = HIDDEN if name == BETWEEN and laid.assumed else ""
         shown = f"{name}, as much as may be hidden" if level else name
-        sources.append(Source(shown, "A", part, dof, level=level))
+        sources.append(Source(shown, "A", part, judged_by.dof, level=level))
     if LAYING in stated:
         sources.append(Source(LAYING, "B", parts[LAYING], stated[LAYING].dof, stated[LAYING]))
     if FACE in stated:
-        one, faces = stated[FACE], np.unique(tilts.same, axis=0)
-        changes = one.u * np.kron(faces, np.eye(2)) @ (moved @ laid.lever).T  # those of a face are tilted alike
-        names = [_face(tilts.direction[int(k)]) for k in np.argmax(faces, axis=1)]
-        unknowns = [f"{name} {k}" for name in names for k in (1, 2)]
+        one, by_tilt = stated[FACE], (moved @ laid.lever).T.reshape(-1, 24)
+        changes = one.u * (tilts.faces @ by_tilt).reshape(-1, 12)  # those of a face are tilted alike
         whole = changes.T @ changes
-        sources.append(Source(FACE, "B", whole, one.dof, one, changes=changes, unknowns=tuple(unknowns)))
+        sources.append(Source(FACE, "B", whole, one.dof, one, changes=changes, unknowns=tilts.unknowns))
         sources.append(Source(COSINE, "B", cosine, one.dof))
-    return [one for one in sources if np.any(np.diag(one.covariance) > 0.0)]
+    return [one for one in sources if (one.covariance.diagonal() > 0.0).any()]
 
 
 def _face(direction: Array) -> str:
@@ -300,17 +369,20 @@ def fit_agreeing(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array, r
     rest, laid = np.ones(m, dtype=bool), fit_laid(r, inside, g, tilts, kept)
     scale = np.concatenate([np.ones(9), np.full(3, g)])
     usual = np.concatenate([np.eye(3).ravel(), np.zeros(3)])
-    design, y = derivatives(g * tilts.direction) * scale @ kept, r.ravel() - derivatives(g * tilts.direction) @ usual
+    by_numbers = derivatives(g * tilts.direction)
+    design, y = by_numbers * scale @ kept, r.ravel() - by_numbers @ usual
     while True:
         P, pull = laid.found.projector, (laid.found.projector @ laid.readings).reshape(-1, 3)
         every = np.arange(len(pull))
         blocks = P.reshape(len(pull), 3, -1, 3)[every, :, every]
         ratios = np.einsum("ki,kij,kj->k", pull, np.linalg.pinv(blocks, rcond=1e-9), pull)
+        if ratios.max() < STANDS_OUT:
+            break
         worst = int(np.flatnonzero(rest)[np.argmax(ratios)])
         fewer = rest & (np.arange(m) != worst)
         rows, among = np.repeat(fewer, 3), np.repeat(rest, 3)
         enough = rows.sum() - kept.shape[1] >= FREE and judged(chosen(tilts, fewer), kept.shape[1])
-        if ratios.max() < STANDS_OUT or not enough or np.linalg.matrix_rank(design[rows]) < kept.shape[1]:
+        if not enough or np.linalg.matrix_rank(design[rows]) < kept.shape[1]:
             break
         without = fit_laid(r[fewer], inside[fewer], g, chosen(tilts, fewer), kept)
         V = _covariance(without, tilts, inside, g)

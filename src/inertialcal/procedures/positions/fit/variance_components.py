@@ -195,8 +195,8 @@ def _is_told(known: Mapping[str, Array], unknown: Mapping[str, Array], theta: Ar
     """Return whether the least eigenvalue of a covariance is not lost in rounding of the largest."""
     n = len(inverse)
     least = n * np.finfo(float).eps
-    trace = sum(float(np.trace(one)) for one in known.values())
-    trace += sum(t * float(np.trace(one)) for t, one in zip(theta.tolist(), unknown.values(), strict=True))
+    trace = sum(float(one.trace()) for one in known.values())
+    trace += sum(t * float(one.trace()) for t, one in zip(theta.tolist(), unknown.values(), strict=True))
     if 2.0 * least * trace * float(np.linalg.norm(inverse)) < 1.0:  # bounds of both
         return True
     size = np.linalg.eigvalsh(_whole(n, known, unknown, theta))
@@ -214,5 +214,7 @@ def _covariance(information: Array) -> Array:
     """Return the inverse, in units in which its diagonal is one."""
     if not len(information):
         return information
-    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    size = np.sqrt(np.maximum(information.diagonal(), 1e-300))
+    if len(size) == 1 and size[0] > 1e-100:
+        return 1.0 / information
     return np.asarray(np.linalg.pinv(information / np.outer(size, size), rcond=LEAST) / np.outer(size, size))
