@@ -1160,7 +1160,7 @@ MUTANTS = (
     Mutant("linearity.py", "residuals - square * parts", "residuals", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "starts) - 1.0 if seen", "starts) - 0.0 if seen", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "1.0 / (size + between[..., None])", "1.0 / size", "test_rate_table_offsets"),
-    Mutant("quantities.py", "other.size**2 * np.outer", "0.0 * np.outer", "test_rate_table_offsets"),
+    Mutant("quantities.py", "size[:, None, None] ** 2 * (change", "0.0 * (change", "test_rate_table_offsets"),
     Mutant("regression.py", "1.0 / (within + dwell)", "1.0 + 0.0 * (within + dwell)", "test_rate_table_offsets"),
     Mutant(
         "closed_loop.py",

@@ -12,17 +12,19 @@ References
 .. [1] JCGM 100:2008, Evaluation of measurement data - Guide to the expression of uncertainty in
    measurement (GUM), clauses 4.2, 4.3, 5.1, 5.2, G.4.
 .. [2] S. K. Banerjee, Sankhya A 23 (1961) 85: confidence interval of a sum of normal means, any number of variances.
+.. [3] Abramowitz and Stegun, Handbook of Mathematical Functions, 1972.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from .errors import DataError
@@ -45,6 +47,8 @@ NO_EXCESS = 1e-7  # of k^2 over that of the normal distribution: degrees of free
 AFTER = "after"  # of an unknown: it came with what another test found, which was taken off before
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
 TINY = float(np.finfo(float).tiny)
+BEND, TERMS, HALVINGS = 6.0, 36, 60  # of the series for degrees of freedom
+MANY = 2e-3  # 1 / dof up to which four powers of it are enough
 
 
 def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total: Array | None = None) -> Array:
@@ -98,8 +102,59 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     alone = excess >= largest * (1.0 - SYMMETRY)  # to the last digit that of the part
     between = ~alone & (excess > NO_EXCESS)
     joined = np.where(alone, fewest, np.inf)
-    joined[between] = np.maximum(special.stdtridf(p, np.sqrt(z_square + excess[between])), fewest[between])
+    if between.any():
+        joined[between] = np.maximum(_freedom_of(excess[between] / z_square), fewest[between])
     return joined
+
+
+def _freedom_of(excess: Array) -> Array:
+    """Return the degrees of freedom of which Student's t squared is so much above that of the normal, relative: (n,).
+
+    To 1e-11 of 1 / dof over the excess, as a Chebyshev series, from 1 degree of freedom on.
+    """
+    from scipy import special  # noqa: PLC0415 - as in `joined_dof`
+
+    series, most = _freedom_series()
+    at = np.minimum(excess / (excess + BEND), most)
+    found: Array = 1.0 / (excess * chebyshev.chebval(2.0 * at / most - 1.0, series))
+    wide = excess > most * BEND / (1.0 - most)  # fewer than 1
+    if wide.any():
+        p = 0.5 * (1.0 + P)
+        found[wide] = special.stdtridf(p, special.ndtri(p) * np.sqrt(1.0 + excess[wide]))
+    return found
+
+
+@cache
+def _freedom_series() -> tuple[Array, float]:
+    """Return the series of `_freedom_of`, and the argument of 1 degree of freedom; with many, 26.7.5 of [3]_."""
+    from scipy import special  # noqa: PLC0415 - as in `joined_dof`
+
+    p = 0.5 * (1.0 + P)
+    z = float(special.ndtri(p))
+    powers = (
+        0.0,
+        (z**2 + 1.0) / 4.0,
+        (5.0 * z**4 + 16.0 * z**2 + 3.0) / 96.0,
+        (3.0 * z**6 + 19.0 * z**4 + 17.0 * z**2 - 15.0) / 384.0,
+        (79.0 * z**8 + 776.0 * z**6 + 1482.0 * z**4 - 1920.0 * z**2 - 945.0) / 92160.0,
+    )
+
+    def above(w: Array) -> Array:
+        """Return the excess of 1 / w degrees of freedom."""
+        few = np.polynomial.polynomial.polyval(w, powers)
+        return np.where(w < MANY, few * (2.0 + few), (special.stdtrit(1.0 / np.maximum(w, MANY), p) / z) ** 2 - 1.0)
+
+    most = float(above(np.ones(1))[0])
+    most /= most + BEND
+    nodes = chebyshev.chebpts1(TERMS)
+    at = 0.5 * most * (nodes + 1.0)
+    excess = BEND * at / (1.0 - at)
+    low, high = 1e-3 * excess, np.full(TERMS, 1.0 + 1e-6)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        small = above(middle) < excess
+        low, high = np.where(small, middle, low), np.where(small, high, middle)
+    return np.asarray(chebyshev.chebfit(nodes, 0.5 * (low + high) / excess, TERMS - 1)), most
 
 
 def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], Array]:
@@ -169,6 +224,13 @@ class Component:
     # and ``stated`` is how large it may be; 0 where it is taken as none.
     term: str = ""
 
+    @classmethod
+    def of_own(cls, shared: Mapping[str, object], **fields: object) -> Component:
+        """Return a source of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(shared, **fields)
+        return found
+
     def changed(self, **fields: object) -> Component:
         """Return the source with other values of some fields; ``dataclasses.replace`` takes several times as long."""
         found = object.__new__(type(self))
@@ -200,6 +262,57 @@ class Component:
     def u(self) -> Array:
         """Standard uncertainty that this source alone gives, shape (k,)."""
         return np.sqrt(np.diag(self.covariance))
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """One source of uncertainty of the same values of many units, each a `Component`."""
+
+    given: Origin | str  # As that of a component, and so on
+    kind: Literal["A", "B"]
+    covariance: Array  # shape (u, k, k)
+    dof: Array | float = np.inf  # shape (u, k)
+    distribution: str = "normal"
+    stated: tuple[float, str] | Sequence[tuple[float, str]] | None = None  # of all, or one a unit in a list
+    changes: Array | None = None  # shape (u, s, k)
+    unknowns: tuple[str, ...] = ()
+    term: str = ""
+
+    @classmethod
+    def of_changes(
+        cls, given: Origin | str, changes: Array, dof: Array | float = np.inf, kind: Literal["A", "B"] = "B",
+        distribution: str = "normal", stated: tuple[float, str] | None = None, unknowns: tuple[str, ...] = (),
+    ) -> Sources:  # fmt: skip
+        """Return a source by the changes of the values, (u, s, k), by one standard uncertainty of each unknown."""
+        covariance = changes.swapaxes(1, 2) @ changes
+        covariance = 0.5 * (covariance + covariance.swapaxes(1, 2))
+        return cls(given, kind, covariance, dof, distribution, stated, changes, unknowns)
+
+    @property
+    def plain(self) -> bool:
+        """Whether a look at all units finds nothing that a check of each would refuse."""
+        c, dof = self.covariance, self.dof
+        variance = np.diagonal(c, axis1=1, axis2=2)
+        stated = self.stated if isinstance(self.stated, list) else [] if self.stated is None else [self.stated]
+        acts = (variance > 0.0).any(axis=1)
+        return bool(
+            (dof > 0.0 if isinstance(dof, float) else (dof > 0.0).all())
+            and np.isfinite(c).all()
+            and (variance >= 0.0).all()
+            and (c == c.swapaxes(1, 2)).all()
+            and not (acts & ~np.array([one[0] > 0.0 for one in stated] or [True])).any()
+        )
+
+    def each(self, count: int) -> list[Component]:
+        """Return the source of each of so many units."""
+        own = {name: getattr(self, name) for name in ("given", "kind", "distribution", "unknowns", "term")}
+        dof = [self.dof] * count if isinstance(self.dof, float) else [*self.dof]
+        stated = self.stated if isinstance(self.stated, list) else [self.stated] * count
+        changes = [None] * count if self.changes is None else [*self.changes]
+        return [
+            Component.of_own(own, covariance=c, dof=free, stated=size, changes=by)
+            for c, free, size, by in zip(self.covariance, dof, stated, changes, strict=True)
+        ]
 
 
 @lru_cache(maxsize=256)  # the same of all units that are tested alike
@@ -253,6 +366,38 @@ class Estimate:
         found = object.__new__(cls)
         found.__dict__.update(given=given, values=values, units=units, components=components)
         return found
+
+    @classmethod
+    def of_each(
+        cls, given: tuple[Key, ...], values: Array, units: tuple[str, ...], sources: Sequence[Sources]
+    ) -> list[Estimate | DataError]:
+        """Return estimates of the same quantities of many units, values (u, k), or why there is none: each as alone.
+
+        What they are asked first is known already: covariance, u and degrees of freedom.
+        """
+        count, k = values.shape
+        columns = [one.each(count) for one in sources]
+        made = [cls.of_own(given, row, units, tuple([each[i] for each in columns])) for i, row in enumerate(values)]
+        total = np.zeros((count, k, k))
+        for one in sources:
+            total += one.covariance
+        variances = [np.diagonal(one.covariance, axis1=1, axis2=2) for one in sources]
+        whole = np.diagonal(total, axis1=1, axis2=2)
+        if not (len(set(given)) == k and np.isfinite(total).all() and all(one.plain for one in sources)):
+            return [one.checked() for one in made]
+        u, dof = np.sqrt(whole), joined_dof(variances, [one.dof for one in sources], whole)
+        total.flags.writeable = u.flags.writeable = dof.flags.writeable = False
+        for one, *known in zip(made, total, u, dof, strict=True):
+            one.__dict__.update(zip(("covariance", "u", "dof"), known, strict=True))
+        return list(made)
+
+    def checked(self) -> Estimate | DataError:
+        """Return it, or why it cannot be."""
+        try:
+            self.__post_init__()
+        except DataError as error:
+            return error
+        return self
 
     def _check_covariances(self) -> None:
         c: Array = np.array([component.covariance for component in self.components])

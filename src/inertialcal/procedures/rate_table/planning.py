@@ -202,7 +202,7 @@ def forecast(said: PlannedRates, plan: Plan, programme: Programme, runs: int) ->
     drawn = noise_drawn(said, programme, len(readings), np.random.default_rng(shared.SEED))
     noisy = replace(readings, outputs={sensor: readings.outputs[sensor] + drawn})  # weighs offsets as a test does
     one = line(plan, noisy, sensor, asymmetry=True)
-    keys, _, jacobian, _ = quantities_of(one)
+    keys, jacobian = quantities_of(one)
     chosen = {name: next(i for i, key in enumerate(keys) if key.quantity == name) for name in FIGURES}
     parts: dict[str, list[Part]] = {name: [] for name in FIGURES}
     rows = jacobian @ one.fit.solve

@@ -27,7 +27,7 @@ from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Estimate
 from ...core.key import Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row
+from ...core.results import Row, changed
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
@@ -35,7 +35,7 @@ from .curves import curves
 from .exclusions import Exclusions, exclusions
 from .fit.earth_input import with_earth
 from .fit.nonlinearity import Chosen, with_nonlinearity
-from .fit.quantities import estimate
+from .fit.quantities import estimates
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
 from .fit.regression import Line, lines
 from .plan import INFLUENCES, Plan
@@ -141,11 +141,7 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             found[i] = error
     for sensor in dict.fromkeys(sensor for one in units.values() for sensor in one.readings.outputs):
         _fit([one for one in units.values() if sensor in one.readings.outputs], sensor)
-    for i, one in units.items():
-        try:
-            found[i] = _result(one)
-        except InertialcalError as error:
-            found[i] = error
+    found |= _results(units)
     return [found[i] for i in range(len(tests))]
 
 
@@ -219,8 +215,32 @@ def _chosen(units: Sequence[_Unit], dwells: Sequence[Readings], sensor: str) -> 
     return [found[i] for i in range(len(units))]
 
 
+def _results(units: Mapping[int, _Unit]) -> dict[int, Result | InertialcalError]:
+    """Return what was found of each unit, or its refusal."""
+    found: dict[int, Result | InertialcalError] = {}
+    for i, one in units.items():
+        try:
+            found[i] = _result(one)
+        except InertialcalError as error:
+            found[i] = error
+    whole = [(i, one) for i, one in found.items() if isinstance(one, Result)]
+    again = [(i, one) for i, one in whole if any(units[i].chosen[s] is not units[i].everything[s] for s in one.lines)]
+    wanted = [(one.plan, one.lines, one.full) for _, one in whole]
+    for i, one in again:
+        every = {s: each for s in one.lines if isinstance(each := units[i].everything[s], Chosen)}
+        own, full = ({s: getattr(each, name) for s, each in every.items()} for name in ("line", "full"))
+        wanted.append((one.plan, own, full))
+    made = estimates(wanted)
+    names = ["estimate"] * len(whole) + ["all_readings"] * len(again)
+    for (i, _), name, each in zip([*whole, *again], names, made, strict=True):
+        one = found[i]
+        if isinstance(one, Result):
+            found[i] = each if isinstance(each, DataError) else changed(one, **{name: each})
+    return found
+
+
 def _result(unit: _Unit) -> Result:
-    """Return what was found of a unit.
+    """Return what was found of a unit, but for its estimates.
 
     Raises
     ------
@@ -252,7 +272,6 @@ def _result(unit: _Unit) -> Result:
     if any(one.level == "dwell" for one in own_lines.values()) and readings.runs >= 2:
         what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
         remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))
-    repeated = any(chosen[sensor] is not everything[sensor] for sensor in chosen)
     full = {sensor: one.full for sensor, one in chosen.items()}
     return Result(
         plan,
@@ -261,16 +280,10 @@ def _result(unit: _Unit) -> Result:
         straight,
         full,
         {sensor: one.reasons for sensor, one in chosen.items()},
-        estimate(plan, own_lines, full),
-        _estimate_of_all(plan, everything) if repeated else None,
+        None,
+        None,
         reasons,
         gather([*remarks, *_remarks(plan, readings)]),
-    )
-
-
-def _estimate_of_all(plan: Plan, chosen: Mapping[str, Chosen]) -> Estimate | None:
-    return estimate(
-        plan, {sensor: one.line for sensor, one in chosen.items()}, {sensor: one.full for sensor, one in chosen.items()}
     )
 
 
