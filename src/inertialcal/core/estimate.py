@@ -37,6 +37,8 @@ from .show.tables import Block, Table, html, text
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .influence import Influence
+
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.integer | np.floating]  # readings as they were recorded: counts, or floats of any width
@@ -278,15 +280,25 @@ class Sources:
     unknowns: tuple[str, ...] = ()
     term: str = ""
 
+    there: NDArray[np.bool_] | None = None  # shape (u,): which units have it; None for all
+
     @classmethod
     def of_changes(
         cls, given: Origin | str, changes: Array, dof: Array | float = np.inf, kind: Literal["A", "B"] = "B",
         distribution: str = "normal", stated: tuple[float, str] | None = None, unknowns: tuple[str, ...] = (),
     ) -> Sources:  # fmt: skip
         """Return a source by the changes of the values, (u, s, k), by one standard uncertainty of each unknown."""
-        covariance = changes.swapaxes(1, 2) @ changes
-        covariance = 0.5 * (covariance + covariance.swapaxes(1, 2))
+        covariance = np.zeros((len(changes), changes.shape[2], changes.shape[2]))
+        for row in changes.swapaxes(0, 1):  # in order: to the bit the same, whatever stands beside it
+            covariance += row[:, :, None] * row[:, None]
         return cls(given, kind, covariance, dof, distribution, stated, changes, unknowns)
+
+    @classmethod
+    def of_influence(
+        cls, given: Origin | str, changes: Array, one: Influence, unknowns: tuple[str, ...] = ()
+    ) -> Sources:
+        """Return that of an influence, by changes as above."""
+        return cls.of_changes(given, changes, one.dof, "B", one.distribution, one.stated, unknowns)
 
     @property
     def plain(self) -> bool:
@@ -303,16 +315,23 @@ class Sources:
             and not (acts & ~np.array([one[0] > 0.0 for one in stated] or [True])).any()
         )
 
-    def each(self, count: int) -> list[Component]:
-        """Return the source of each of so many units."""
+    def each(self, sizes: Sequence[int]) -> list[Component | None]:
+        """Return the source of each unit, of so many values."""
         own = {name: getattr(self, name) for name in ("given", "kind", "distribution", "unknowns", "term")}
+        count, most = len(sizes), self.covariance.shape[1]
         dof = [self.dof] * count if isinstance(self.dof, float) else [*self.dof]
         stated = self.stated if isinstance(self.stated, list) else [self.stated] * count
         changes = [None] * count if self.changes is None else [*self.changes]
-        return [
-            Component.of_own(own, covariance=c, dof=free, stated=size, changes=by)
-            for c, free, size, by in zip(self.covariance, dof, stated, changes, strict=True)
-        ]
+        there = [True] * count if self.there is None else self.there.tolist()
+        found: list[Component | None] = []
+        for i, k in enumerate(sizes):
+            c, free, by = self.covariance[i], dof[i], changes[i]
+            if k < most:
+                c, by = c[:k, :k].copy(), None if by is None else by[:, :k].copy()
+                free = free if isinstance(free, float) else free[:k].copy()
+            one = Component.of_own(own, covariance=c, dof=free, stated=stated[i], changes=by) if there[i] else None
+            found.append(one)
+        return found
 
 
 @lru_cache(maxsize=256)  # the same of all units that are tested alike
@@ -369,26 +388,41 @@ class Estimate:
 
     @classmethod
     def of_each(
-        cls, given: tuple[Key, ...], values: Array, units: tuple[str, ...], sources: Sequence[Sources]
-    ) -> list[Estimate | DataError]:
-        """Return estimates of the same quantities of many units, values (u, k), or why there is none: each as alone.
+        cls, given: Sequence[tuple[Key, ...]], values: Array, units: Sequence[tuple[str, ...]],
+        sources: Sequence[Sources],
+    ) -> list[Estimate | DataError]:  # fmt: skip
+        """Return the estimates of several units at once, or why there is none: each as alone.
 
         What they are asked first is known already: covariance, u and degrees of freedom.
+
+        Parameters
+        ----------
+        given, units : sequence of tuple
+            As `Estimate` has them, unit by unit.
+        values : ndarray, shape (u, k)
+            Those of a unit come first; k is the largest number of them. Covariances and changes of the rest are 0.
+        sources : sequence of Sources
+            All that any unit has.
         """
         count, k = values.shape
-        columns = [one.each(count) for one in sources]
-        made = [cls.of_own(given, row, units, tuple([each[i] for each in columns])) for i, row in enumerate(values)]
+        sizes = [len(one) for one in given]
+        columns = zip(*(one.each(sizes) for one in sources), strict=True)
+        made = [
+            cls.of_own(keys, row[: len(keys)], its, tuple([one for one in each if one is not None]))
+            for keys, row, its, each in zip(given, values, units, columns, strict=True)
+        ]
         total = np.zeros((count, k, k))
         for one in sources:
             total += one.covariance
         variances = [np.diagonal(one.covariance, axis1=1, axis2=2) for one in sources]
         whole = np.diagonal(total, axis1=1, axis2=2)
-        if not (len(set(given)) == k and np.isfinite(total).all() and all(one.plain for one in sources)):
+        alike = {id(one): one for one in given}.values()  # of many units the same
+        if not (all(len(set(one)) == len(one) for one in alike) and all(one.plain for one in sources)):
             return [one.checked() for one in made]
         u, dof = np.sqrt(whole), joined_dof(variances, [one.dof for one in sources], whole)
         total.flags.writeable = u.flags.writeable = dof.flags.writeable = False
-        for one, *known in zip(made, total, u, dof, strict=True):
-            one.__dict__.update(zip(("covariance", "u", "dof"), known, strict=True))
+        for i, (one, n) in enumerate(zip(made, sizes, strict=True)):
+            one.__dict__.update(covariance=total[i, :n, :n], u=u[i, :n], dof=dof[i, :n])
         return list(made)
 
     def checked(self) -> Estimate | DataError:

@@ -28,14 +28,14 @@ from ...core.estimate import Estimate
 from ...core.influence import Influence
 from ...core.key import Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row
+from ...core.results import Row, changed
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
 from .curves import curves
 from .fit.cells import Series, series_of
 from .fit.law import Law
-from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate, find_asked
+from .fit.quantities import Asked, Wanted, asked_of, bias_at, earth_along, estimate, estimates, find_asked
 from .fit.sensor import OfSensor, reduce_sensors
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .recordings import Readings, Sweep, ThermalRecording, readings_from
@@ -80,6 +80,11 @@ class Result:
     references: Mapping[str, Estimate]  # Reference voltages over temperature
     reasons: Mapping[str, Reason]  # Why a sensor has no law
     remarks: tuple[Remark, ...]  # Findings
+
+    @property
+    def laws(self) -> dict[str, Law]:
+        """Bias over temperature, by axis."""
+        return {axis: one.law for axis, one in self.sensors.items()}
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
@@ -157,7 +162,25 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             results.append(_result(plan, readings, found_of, asked_for, wrong))
         except InertialcalError as error:
             results.append(error)
-    return results
+    return _with_estimates(results)
+
+
+def _with_estimates(results: Sequence[Result | InertialcalError]) -> list[Result | InertialcalError]:
+    """Return results with all quantities of all sensors, and with those of the one path that was seen."""
+    found = [*results]
+    whole = [(i, one) for i, one in enumerate(results) if isinstance(one, Result)]
+    wanted = [Wanted(one.plan, one.laws, one.asked, one.readings.unit) for _, one in whole]
+    single = [(i, one) for i, one in whole if not all(law.midway for law in one.laws.values())]
+    for _, one in single:
+        known = {**one.plan.standards, "sensor.hysteresis": Influence(0.0, one.readings.unit)}
+        laws = {axis: law for axis, law in one.laws.items() if not law.midway}
+        wanted.append(Wanted(replace(one.plan, standards=known), laws, one.asked, one.readings.unit))
+    names = ["estimate"] * len(whole) + ["on_path"] * len(single)
+    for (i, _), name, each in zip([*whole, *single], names, estimates(wanted), strict=True):
+        one = found[i]
+        if isinstance(one, Result):
+            found[i] = each if isinstance(each, DataError) else changed(one, **{name: each})
+    return found
 
 
 def _result(
@@ -167,7 +190,7 @@ def _result(
     asked: Mapping[str, list[Asked]],
     problems: Mapping[str, Problem],
 ) -> Result:
-    """Return what was found of a unit.
+    """Return what was found of a unit, but for its estimates.
 
     Raises
     ------
@@ -179,10 +202,6 @@ def _result(
     problems = {axis: problems[axis] for axis in readings.axes if axis in problems}
     if not sensors:
         raise DataError([replace(one, where=one.where or readings.where) for one in problems.values()])
-    unit = readings.unit
-    laws = {axis: one.law for axis, one in sensors.items()}
-    single = {axis: law for axis, law in laws.items() if not law.midway}
-    known = replace(plan, standards={**plan.standards, "sensor.hysteresis": Influence(0.0, unit)})
     reasons = {axis: Reason(problem.code, problem.what) for axis, problem in problems.items()}
     remarks = [*readings.remarks, *(remark for one in sensors.values() for remark in one.remarks)]
     remarks += [Remark("no_law", "warning", reason.text, readings.where) for reason in reasons.values()]
@@ -191,8 +210,8 @@ def _result(
         readings,
         sensors,
         asked,
-        estimate(plan, laws, asked, unit),
-        estimate(known, single, asked, unit) if single else None,
+        None,
+        None,
         _references(plan, sensors),
         reasons,
         gather([*remarks, *_remarks(plan, readings, min(one.cells.runs for one in sensors.values()))]),

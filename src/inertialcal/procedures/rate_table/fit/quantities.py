@@ -221,7 +221,8 @@ def _alike(plan: Plan, parts: list[Part]) -> list[Estimate | DataError]:
         *_taken_off(keys, parts),
         *_unresolved(parts, blocks, values.shape),
     ]
-    return Estimate.of_each(keys, values, tuple(UNITS[key.quantity] for key in keys), sources)
+    count, units = len(values), tuple(UNITS[key.quantity] for key in keys)
+    return Estimate.of_each([keys] * count, values, [units] * count, sources)
 
 
 def _type_a(plan: Plan, parts: list[Part], blocks: list[slice], shape: tuple[int, ...]) -> Sources:
@@ -244,22 +245,15 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
         # The true input is larger by e: what is proportional to 1 / input is smaller, and errors of rate are too.
-        changes, whole = -rate.u * proportional, rate.u**2 * (proportional[:, :, None] * proportional[:, None])
-        found.append(
-            Sources(rate.origin("table rate"), "B", whole, rate.dof, rate.distribution, rate.stated, changes[:, None])
-        )
+        found.append(Sources.of_influence(rate.origin("table rate"), -rate.u * proportional[:, None], rate))
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
         names, by_angle = _mounting(parts, blocks, values.shape, mounting.u)
-        shape, origin = mounting.distribution, mounting.origin("mounting on the table")
-        found.append(Sources.of_changes(origin, by_angle, mounting.dof, "B", shape, mounting.stated, names))
+        found.append(Sources.of_influence(mounting.origin("mounting on the table"), by_angle, mounting, names))
     reference = plan.standards.get("converter.reference")
     if reference is not None:
-        gain = proportional + bias * values
-        whole = reference.u**2 * (gain[:, :, None] * gain[:, None])
-        origin, changes = reference.origin("converter reference"), reference.u * gain[:, None]
-        shape = reference.distribution
-        found.append(Sources(origin, "B", whole, reference.dof, shape, reference.stated, changes))
+        changes = reference.u * (proportional + bias * values)[:, None]
+        found.append(Sources.of_influence(reference.origin("converter reference"), changes, reference))
     return found
 
 
@@ -330,9 +324,7 @@ def _earth(plan: Plan, parts: list[Part], blocks: list[slice], shape: tuple[int,
             found.append(replace(Sources.of_changes(name, changes), changes=None))
             continue
         origin = own_influence.origin(name) if own_influence.standard else name
-        one = Sources.of_changes(
-            origin, changes, own_influence.dof, "B", own_influence.distribution, own_influence.stated
-        )
+        one = Sources.of_influence(origin, changes, own_influence)
         found.append(one if own_influence.standard else replace(one, changes=None))
     return found
 

@@ -459,11 +459,13 @@ def _scaled_each(cells: Sequence[Cells]) -> Array:
     return np.asarray((2.0 * np.array([one.temperature for one in cells]) - low - high) / (high - low))
 
 
-def slope_of(law: Law) -> Array:
-    """Return what P rises by with the temperature, as such a series, shape (order + 1,)."""
-    slope = np.zeros(law.order + 1)
-    slope[:-1] = law.coefficients @ _rising(law.order) if law.order else ()
-    return np.asarray(slope * 2.0 / (law.domain[1] - law.domain[0]))
+def slopes_of(laws: Sequence[Law]) -> Array:
+    """Return what P of laws of one order rises by with the temperature, as such a series, shape (s, order + 1)."""
+    order, ends = laws[0].order, np.array([one.domain for one in laws])
+    slope = np.zeros((len(laws), order + 1))
+    if order:
+        slope[:, :-1] = times(_rising(order).T, np.array([one.coefficients for one in laws]))
+    return np.asarray(slope * 2.0 / (ends[:, 1:] - ends[:, :1]))
 
 
 @cache

@@ -21,22 +21,25 @@ one path
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import compress
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
-from ....core.estimate import Array, Component, Estimate
+from ....core.errors import DataError
+from ....core.estimate import Array, Estimate, Sources
 from ....core.influence import Influence
 from ....core.key import AXES, At, Key, Origin
 from ....core.units import normalise
 from ....physics.earth import OMEGA, earth_rate, level_to_table
 from ....sensors.thermal import over_voltage
+from ....statistics.least_squares import times
 from ....statistics.polynomial import Polynomial, powers_from_series
 from ..plan import Attitude, Plan, Thermometer
-from .law import Law, find_contrasts, slope_of
+from .law import Law, find_contrasts, gathered, slopes_of
 
 SOURCES = {
     "run": "scatter between runs",
@@ -165,53 +168,145 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
     unit : {"rad/s", "m/s^2", "V"}
         Of the readings.
     """
-    parts = [(law, _joined(asked[axis])) for axis, law in laws.items()]
-    found = [law.contrasts(one.rows) for law, one in parts]
-    sizes = [len(one.keys) for _, one in parts]
-    stops = np.cumsum(sizes).tolist()
-    every, blocks = stops[-1], [slice(stop - size, stop) for stop, size in zip(stops, sizes, strict=True)]
-    dof = np.concatenate([one for _, one in found])
-    known, keys = dof > 0.0, [key for _, one in parts for key in one.keys]
-    gap = plan.standards.get("sensor.hysteresis")
-    hidden = [unit == "m/s^2" or (unit != "V" and not law.midway and gap is None) for law, _ in parts]
-    if any(hidden):
-        known &= ~(np.repeat(hidden, sizes) & np.array([_is_level(key) for key in keys]))
-    if not known.any():
-        return None
-    covariance, choice = np.zeros((every, every)), np.zeros((len(parts), every))  # a row a sensor
-    for k, ((_, one), block) in enumerate(zip(parts, blocks, strict=True)):
-        covariance[block, block] = 0.5 * (found[k][0] + found[k][0].T)
-        if one.changes is not None:
-            choice[k, block] = one.changes
-    raw = np.concatenate([one.rows @ law.coefficients for law, one in parts])
-    constant = np.concatenate([one.rows[:, 0] for _, one in parts])
-    at = np.repeat([AXES.index(axis) for axis in laws], sizes)
+    found = estimates([Wanted(plan, laws, asked, unit)])[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+class Wanted(NamedTuple):
+    """What `estimate` takes of a unit."""
+
+    plan: Plan
+    laws: Mapping[str, Law]
+    asked: Mapping[str, list[Asked]]
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What is asked of one sensor, shape (m,) each."""
+
+    law: Law
+    asked: Asked
+    raw: Array  # values as read
+    constant: Array  # change by what adds to every reading
+    slope: Array  # change with the temperature of the law; 0 over the channel's own volts
+    covariance: Array  # shape (m, m): type A
+    dof: Array
+    choice: Array  # values of a higher order less these
+    at: int  # number of the axis
+
+    @classmethod
+    def each(cls, sensors: Sequence[tuple[str, Law, Sequence[Asked]]]) -> list[_Part]:
+        """Return the parts of several sensors, those alike at once."""
+        joined = [_joined(asked) for _, _, asked in sensors]
+        laws = [law for _, law, _ in sensors]
+        found: dict[int, _Part] = {}
+        for alike in gathered(one.rows.shape for one in joined):
+            rows, coefficients = (
+                np.array([joined[i].rows for i in alike]),
+                np.array([laws[i].coefficients for i in alike]),
+            )
+            raw, slope = times(rows, coefficients), times(rows, slopes_of([laws[i] for i in alike]))
+            for k, i in enumerate(alike):
+                axis, law, asked = sensors[i]
+                one = joined[i]
+                covariance, dof = law.contrasts(one.rows)
+                own, start = slope[k], 0
+                for part in asked:
+                    if not part.by_temperature:
+                        own[start : start + len(part.keys)] = 0.0
+                    start += len(part.keys)
+                choice = np.zeros(len(dof)) if one.changes is None else one.changes
+                found[i] = cls(law, one, raw[k], rows[k, :, 0], own, covariance, dof, choice, AXES.index(axis))
+        return [found[i] for i in range(len(sensors))]
+
+    def known(self, unit: str, gap: bool) -> _Part | None:
+        """Return what has degrees of freedom, without what holds the constant where that is hidden; None for nothing.
+
+        ``gap``: how far the path that was not seen may be is stated.
+        """
+        keep = self.dof > 0.0
+        if unit == "m/s^2" or (unit != "V" and not self.law.midway and not gap):
+            keep &= ~np.array([_is_level(key) for key in self.asked.keys])
+        if keep.all():
+            return self
+        if not keep.any():
+            return None
+        keys, units = tuple(compress(self.asked.keys, keep)), tuple(compress(self.asked.units, keep))
+        columns = (one[keep] for one in (self.raw, self.constant, self.slope, self.covariance[:, keep], self.dof,
+                                         self.choice))  # fmt: skip
+        return _Part(self.law, Asked(keys, units, self.asked.rows[keep]), *columns, self.at)
+
+
+def estimates(units: Sequence[Wanted]) -> list[Estimate | DataError | None]:
+    """Return the `estimate` of each of several units, or why there is none, at once."""
+    sensors = [(axis, law, one.asked[axis]) for one in units for axis, law in one.laws.items()]
+    parts = iter(_Part.each(sensors))
+    found: list[Estimate | DataError | None] = [None] * len(units)
+    kinds: dict[tuple[object, ...], list[tuple[int, list[_Part]]]] = {}
+    for i, (plan, laws, _, unit) in enumerate(units):
+        gap = plan.standards.get("sensor.hysteresis") is not None
+        own = [one for _, part in zip(laws, parts, strict=False) if (one := part.known(unit, gap)) is not None]
+        if own:
+            levels = {plan.run_level if one.law.level == "run" and plan.run_level == "recording" else one.law.level
+                      for one in own}  # fmt: skip
+            level = levels.pop() if len(levels) == 1 else "highest"
+            kinds.setdefault((id(plan), unit, level), []).append((i, own))
+    for (_, unit, level), alike in kinds.items():
+        made = _alike(units[alike[0][0]].plan, str(unit), str(level), [own for _, own in alike])
+        for (i, _), one in zip(alike, made, strict=True):
+            found[i] = one
+    return found
+
+
+def _alike(plan: Plan, unit: str, level: str, units: Sequence[Sequence[_Part]]) -> list[Estimate | DataError]:
+    """Return the estimates of units of one plan whose scatter is of one level."""
+    keys = [tuple(key for one in own for key in one.asked.keys) for own in units]
+    shape = len(units), max(map(len, keys))
+    raw, constant, slope, one_path = np.zeros((4, *shape))
+    dof, covariance = np.full(shape, np.inf), np.zeros((*shape, shape[1]))
+    choice, at = np.zeros((len(units), len(AXES), shape[1])), np.zeros(shape, dtype=np.intp)
+    for u, own in enumerate(units):
+        start = 0
+        for k, one in enumerate(own):
+            block = slice(start, start := start + len(one.dof))
+            raw[u, block], constant[u, block], slope[u, block], dof[u, block] = (
+                one.raw,
+                one.constant,
+                one.slope,
+                one.dof,
+            )
+            covariance[u, block, block] = 0.5 * (one.covariance + one.covariance.T)
+            choice[u, k, block], at[u, block], one_path[u, block] = one.choice, one.at, not one.law.midway
     earth, unknown = earth_along(plan) if unit == "rad/s" else (np.zeros(len(AXES)), {})
-    values, units = raw - earth[at] * constant, [each for _, one in parts for each in one.units]
-    seen = [law for (law, _), block in zip(parts, blocks, strict=True) if known[block].any()]
-    type_b = {f"earth rate: {name}": (one.influence, -one.patterns[:, at] * constant) for name, one in unknown.items()}
-    thermometer, reference = (plan.standards.get(one) for one in ("thermometer.temperature", "converter.reference"))
-    if thermometer is not None and any(law.order for law in seen):
-        slope = np.concatenate([one.rows @ slope_of(law) for law, one in parts])
-        over = np.repeat([part.by_temperature for axis in laws for part in asked[axis]],
-                         [len(part.keys) for axis in laws for part in asked[axis]])  # fmt: skip
-        type_b["thermometer"] = thermometer, -(thermometer.u * over * slope)[None]
-    if reference is not None:
-        type_b["converter reference"] = reference, (reference.u * raw)[None]
-    if gap is not None and unit != "V" and not all(law.midway for law in seen):
-        one_path = np.repeat([not law.midway for law, _ in parts], sizes)
-        type_b["path not seen"] = gap, (0.5 * gap.u * constant * one_path)[None]
-    if not known.all():
-        covariance, dof, values, choice = covariance[np.ix_(known, known)], dof[known], values[known], choice[:, known]
-        type_b = {name: (one, changes[:, known]) for name, (one, changes) in type_b.items()}
-        keys, units = [*compress(keys, known)], [*compress(units, known)]
-    levels = {plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level for law in seen}
-    level = levels.pop() if len(levels) == 1 else "highest"
-    components = [Component(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")]
+    sources = [Sources(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")]
     if choice.any():
-        components.append(Component(ORDER, "A", choice.T @ choice))
-    components += [_type_b(source, *one) for source, one in type_b.items()]
-    return Estimate(tuple(keys), values, tuple(units), tuple(components))
+        hidden = Sources.of_changes(ORDER, choice, np.inf, "A")
+        sources.append(replace(hidden, changes=None, there=choice.any(axis=(1, 2))))
+    for name, each in unknown.items():
+        changes = -each.patterns[:, at].swapaxes(0, 1) * constant[:, None]
+        sources.append(_of(f"earth rate: {name}", each.influence, changes))
+    thermometer, reference, gap = (
+        plan.standards.get(one) for one in ("thermometer.temperature", "converter.reference", "sensor.hysteresis")
+    )
+    if thermometer is not None:
+        bent = np.array([any(one.law.order for one in own) for own in units])
+        sources.append(replace(_of("thermometer", thermometer, -(thermometer.u * slope)[:, None]), there=bent))
+    if reference is not None:
+        sources.append(_of("converter reference", reference, (reference.u * raw)[:, None]))
+    if gap is not None and unit != "V":
+        single = np.array([not all(one.law.midway for one in own) for own in units])
+        changes = (0.5 * gap.u * constant * one_path)[:, None]
+        sources.append(replace(_of("path not seen", gap, changes), there=single))
+    spoken = [tuple(each for one in own for each in one.asked.units) for own in units]
+    sources = [one for one in sources if one.there is None or one.there.any()]
+    return Estimate.of_each(keys, raw - earth[at] * constant, spoken, sources)
+
+
+def _of(source: str, influence: Influence, changes: Array) -> Sources:
+    return Sources.of_influence(influence.origin(source), changes, influence)
 
 
 def _joined(asked: Sequence[Asked]) -> Asked:
@@ -226,13 +321,6 @@ def _joined(asked: Sequence[Asked]) -> Asked:
 def _is_level(key: Key) -> bool:
     """Whether a quantity holds the constant of the law, and not its shape alone."""
     return key.quantity in ("bias", "bias_voltage") and key.power == 0
-
-
-def _type_b(source: str, influence: Influence, changes: Array) -> Component:
-    """Return a source by its changes of the values, one standard uncertainty of an unknown a row."""
-    covariance = changes.T @ changes
-    return Component(influence.origin(source), "B", 0.5 * (covariance + covariance.T), influence.dof,
-                     influence.distribution, influence.stated, changes)  # fmt: skip
 
 
 STEP = 1e-4  # [rad], of the differences
