@@ -134,14 +134,20 @@ def factor(covariance: Array) -> Array:
 
     Of the two directions of each, the one in which its first large entry is positive: rounding does not turn it.
     """
-    scale = np.sqrt(covariance.diagonal())
+    return factors(covariance[None])[0]
+
+
+def factors(covariances: Array) -> list[Array]:
+    """Return the `factor` of each of several covariances, shape (u, n, n)."""
+    scale = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
     size = np.where(scale > 0.0, scale, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / (size[:, None] * size))
-    keep = sizes > TINY * sizes[-1]
-    rows = (vectors[:, keep] * np.sqrt(sizes[keep])).T
+    sizes, vectors = np.linalg.eigh(covariances / (size[:, :, None] * size[:, None]))
+    keep = sizes > TINY * sizes[:, -1:]
+    rows = (vectors * np.sqrt(np.where(keep, sizes, 0.0))[:, None]).swapaxes(1, 2)
     far = np.abs(rows)
-    first = (far > LARGE * far.max(axis=1, keepdims=True)).argmax(axis=1)
-    return np.asarray(np.copysign(1.0, rows[np.arange(len(rows)), first])[:, None] * rows * size)
+    first = (far > LARGE * far.max(axis=2, keepdims=True)).argmax(axis=2)
+    rows = np.copysign(1.0, np.take_along_axis(rows, first[..., None], axis=2)) * rows * size[:, None]
+    return [own if kept.all() else own[kept] for own, kept in zip(rows, keep, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

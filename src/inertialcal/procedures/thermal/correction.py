@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,9 +31,10 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
 from ...statistics.polynomial import powers_from_series
-from ..corrections import factor
-from .fit.law import Law
-from .fit.quantities import ORDER, Asked, earth_along, estimate, power_unit
+from ..corrections import factors
+from .fit.law import Law, gathered
+from .fit.quantities import ORDER, Asked, Wanted, earth_along, estimates, power_unit
+from .plan import Plan
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:
@@ -178,27 +180,55 @@ def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()
     return every
 
 
-def sources_of(
-    bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()
-) -> tuple[Estimate | None, list[tuple[Component, Array]]]:
+Known = tuple[Estimate | None, list[tuple[Component, Array]]]
+
+
+def sources_of(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()) -> Known:
     """Return the bias taken off at each level, with the coefficients of its law, and what is not known of them.
 
     Of each source the changes of all values by each of its unknowns, shape (s, values). None where nothing is known.
     """
-    result = bias.result
-    standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
-    standards.setdefault(PATH, Influence(0.0, result.readings.unit))  # one path was seen: the thermal test remarks it
-    plan = replace(result.plan, standards=standards)
-    laws = {axis: one.law for axis, one in result.sensors.items()}
-    asked = {
-        axis: _asked(result, axis, law, [level.get(axis, law.domain[0]) for level in levels])
-        for axis, law in laws.items()
-    }
-    found = estimate(plan, laws, {axis: [one] for axis, one in asked.items()}, result.readings.unit)
-    if found is None:
-        return None, []
-    acting = [one for one in found.components if (one.covariance.diagonal() > 0.0).any()]
-    return found, [(one, _changes(found, one, laws, asked)) for one in acting]
+    found = sources_of_each([bias.result], levels)[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
+
+
+def sources_of_each(results: Sequence[Result], levels: Sequence[Mapping[str, float]] = ()) -> list[Known | DataError]:
+    """Return the same of each of several results, or why there is none, at once."""
+    plans: dict[int, Plan] = {}
+    wanted = []
+    for one in results:
+        plan, unit = one.plan, one.readings.unit
+        if id(plan) not in plans:  # one path was seen: the thermal test remarks it
+            standards = {name: each for name, each in plan.standards.items() if name not in CANCELLED}
+            standards.setdefault(PATH, Influence(0.0, unit))
+            plans[id(plan)] = replace(plan, standards=standards)
+        asked = {
+            axis: [_asked(one, axis, law, tuple(level.get(axis, law.domain[0]) for level in levels))]
+            for axis, law in one.laws.items()
+        }
+        wanted.append(Wanted(plans[id(plan)], one.laws, asked, unit))
+    factors = iter(_factors([law for one in wanted for law in one.laws.values()]))
+    found: list[Known | DataError] = []
+    for one, estimate in zip(wanted, estimates(wanted), strict=True):
+        own = [(law, one.asked[axis][0], next(factors)) for axis, law in one.laws.items()]
+        if estimate is None:
+            found.append((None, []))
+        elif isinstance(estimate, DataError):
+            found.append(estimate)
+        else:
+            acting = [each for each in estimate.components if (each.covariance.diagonal() > 0.0).any()]
+            found.append((estimate, [(each, _changes(estimate, each, own)) for each in acting]))
+    return found
+
+
+def _factors(laws: Sequence[Law]) -> list[Array]:
+    """Return independent unknowns of the coefficients of each law, shape (s, order + 1)."""
+    found: dict[int, Array] = {}
+    for alike in gathered(one.order for one in laws):
+        found.update(zip(alike, factors(np.array([laws[i].scatter.each[0] for i in alike])), strict=True))
+    return [found[i] for i in range(len(laws))]
 
 
 def dof_of_sensors(
@@ -216,11 +246,9 @@ def dof_of_sensors(
     return of_sensor
 
 
-def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Asked:
+def _asked(result: Result, axis: str, law: Law, warmth: tuple[float, ...]) -> Asked:
     """Return the bias taken off at each temperature, then the coefficients of the law."""
-    unit = result.readings.unit
-    keys = [Key(TAKEN, axis, at=At(DWELL, i, "")) for i in range(len(warmth))] + law_keys(axis, law.order)
-    units = [unit] * len(warmth) + [power_unit(unit, "degC", j) for j in range(law.order + 1)]
+    keys, units = _labels(result.readings.unit, axis, law.order, len(warmth))
 
     def rows(one: Law) -> Array:
         powers = powers_from_series(one.order, one.domain, result.plan.reference_temperature)[: law.order + 1]
@@ -228,25 +256,36 @@ def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Aske
 
     own = rows(law)
     more = None if law.higher is None else rows(law.higher) @ law.higher.coefficients - own @ law.coefficients
-    return Asked(tuple(keys), tuple(units), own, by_temperature=False, changes=more)
+    return Asked(keys, units, own, by_temperature=False, changes=more)
 
 
-def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], asked: Mapping[str, Asked]) -> Array:
+@lru_cache(maxsize=256)  # the same of all units of a lot
+def _labels(unit: str, axis: str, order: int, levels: int) -> tuple[tuple[Key, ...], tuple[str, ...]]:
+    keys = [Key(TAKEN, axis, at=At(DWELL, i, "")) for i in range(levels)] + law_keys(axis, order)
+    return tuple(keys), (*[unit] * levels, *(power_unit(unit, "degC", j) for j in range(order + 1)))
+
+
+def _changes(found: Estimate, component: Component, own: Sequence[tuple[Law, Asked, Array]]) -> Array:
     """Return the changes of all values by each unknown of a source, shape (s, names): those of coefficients of laws."""
     if component.changes is not None:
         return component.changes
-    blocks, places = [], {key: i for i, key in enumerate(found.keys)}
+    whole, start = sum(len(asked.keys) for _, asked, _ in own) == len(found.keys), 0
+    blocks, places = [], {} if whole else {key: i for i, key in enumerate(found.keys)}
     hidden = component.origin == ORDER
-    for axis, law in laws.items():
-        one = asked[axis]
-        known = [k for k, key in enumerate(one.keys) if key in places]
-        at = [places[one.keys[k]] for k in known]
-        if hidden:
-            own = np.zeros((1, len(known))) if one.changes is None else one.changes[None, known]
+    for _, asked, unknowns in own:
+        if whole:
+            known: list[int] | slice = slice(None)
+            at: list[int] | slice = slice(start, start := start + len(asked.keys))
         else:
-            own = factor(law.scatter.each[0]) @ one.rows[known].T
-        block = np.zeros((len(own), len(places)))
-        block[:, at] = own
+            known = [k for k, key in enumerate(asked.keys) if key in places]
+            at = [places[asked.keys[k]] for k in known]
+        rows = (
+            unknowns @ asked.rows[known].T
+            if not hidden
+            else (np.zeros((1, len(asked.rows[known]))) if asked.changes is None else asked.changes[None, known])
+        )
+        block = np.zeros((len(rows), len(found.keys)))
+        block[:, at] = rows
         blocks.append(block)
     return np.concatenate(blocks)
 

@@ -176,6 +176,14 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
 
         return model_terms(result, tests)
 
+    def terms_many(
+        self, given: Sequence[tuple[Result, Sequence[Tested[Plan, Readings, Result]]]]
+    ) -> list[ModelTerms | None]:
+        """Return the same of many results at once."""
+        from .terms import model_terms_many
+
+        return model_terms_many(given)
+
     def held_out(
         self,
         result: Result,

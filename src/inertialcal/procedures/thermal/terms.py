@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.key import AXES, Key, Origin
 from ...sensors.model.sensor_model import Provenance
 from ..model_terms import ModelTerms
 from ..protocol import Tested
-from .correction import ThermalCorrection, dof_of_sensors, sources_of
+from .correction import Known, ThermalCorrection, dof_of_sensors, sources_of, sources_of_each
 from .reduction import Result
 
 HYSTERESIS = "bias_hysteresis"
@@ -29,21 +30,28 @@ HYSTERESIS = "bias_hysteresis"
 
 def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> ModelTerms | None:
     """Return the bias over temperature; None where nothing of it has an uncertainty."""
-    bias = ThermalCorrection(tests[0].id, result)
-    found, sources = sources_of(bias)
+    return _terms(result, tests, sources_of(ThermalCorrection(tests[0].id, result)))
+
+
+def model_terms_many(given: Sequence[tuple[Result, Sequence[Tested[Any, Any, Any]]]]) -> list[ModelTerms | None]:
+    """Return the same of each of many results, with the tests behind each."""
+    known = sources_of_each([result for result, _ in given])
+    for one in known:
+        if isinstance(one, DataError):
+            raise one
+    return [_terms(*one, own) for one, own in zip(given, known, strict=True) if not isinstance(own, DataError)]
+
+
+def _terms(result: Result, tests: Sequence[Tested[Any, Any, Any]], known: Known) -> ModelTerms | None:
+    bias, (found, sources) = ThermalCorrection(tests[0].id, result), known
     if found is None or not sources:
         return None
     every = np.arange(len(found.keys))
     of_sensor = [AXES.index(key.axis) for key in found.keys]
     parts = []
     for one, changes in sources:
-        covariance = changes.T @ changes
-        parts.append(one.changed(
-            given=one.origin._replace(test=bias.test),
-            covariance=0.5 * (covariance + covariance.T),
-            dof=dof_of_sensors(one, every, of_sensor)[of_sensor],
-            changes=changes,
-        ))  # fmt: skip
+        dof = one.dof if isinstance(one.dof, float) else dof_of_sensors(one, every, of_sensor)[of_sensor]
+        parts.append(one.changed(given=one.origin._replace(test=bias.test), dof=dof, changes=changes))
     estimate = Estimate.of_own(found.keys, found.values, found.units, tuple(parts))
     estimate = _with_hysteresis(result, tests[0].id, estimate)
     sweeps = tuple(sweep.name for sweep in result.readings.sweeps)
