@@ -12,7 +12,7 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -27,6 +27,7 @@ from ....core.estimate import Array
 from ....signals.segmentation.ramps import COOLING, WARMING, find_ramps
 from ..plan import Plan
 from ..recordings import Readings, Sweep, span_of
+from . import _kernels_cells as kernels
 
 Indices = NDArray[np.int64]
 Paths = NDArray[np.int8]
@@ -396,53 +397,70 @@ def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells
 def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) -> Cells:
     """Return cells of a sensor with the rate of the temperature as a lag smooths it, mean over each."""
     slow = series.smoothed(lag)
-    count, total = (np.zeros((len(series.ramps), plan.bins)) for _ in range(2))
-    for part in _samples(plan, slow, cut):
-        assert part.rate is not None  # noqa: S101 - the series has it
-        count[part.ramp] += np.bincount(part.bin, minlength=plan.bins)
-        total[part.ramp] += np.bincount(part.bin, part.rate, plan.bins)
+    assert slow.rate is not None  # noqa: S101 - the series has it
+    readings = [series.reading]
+    count, sums, _ = _sums(plan, slow, cut, readings, _parts(slow, readings))
     at = cells.ramp, cells.bin
-    return cells.changed(rate=total[at] / count[at])
+    return cells.changed(rate=sums[-1][at] / count[at])
 
 
 @dataclass(frozen=True, eq=False)
-class _Samples:
-    """Samples of one ramp that count."""
+class _Part:
+    """Samples of one ramp."""
 
     ramp: int  # Its number
-    own: slice  # Of the series
-    used: Mask  # Which of it count, shape (n,)
-    temperature: Array  # shape (k,) [degC]
-    time: Array  # shape (k,) [s]
-    rate: Array | None  # shape (k,) [degC/s]
-    bin: Indices  # shape (k,)
-    left: tuple[int, int, int]  # How many of all do not count, by rule
+    columns: Array  # shape (2 + k, n): temperature, time, readings, and the rate where there is one
+    path: Paths  # shape (n,)
+    bins: Indices  # shape (n,): which bin each is in, to be found
 
 
-def _samples(plan: Plan, series: Series, cut: float) -> Iterable[_Samples]:
-    """Return the samples that count, batch by batch; those of a short record are kept."""
-    if not series.complete:
-        return _each(plan, series, cut)
-    kept = series.once(("samples", plan.bins, cut), lambda: list(_each(plan, series.changed(rate=None), cut)))
-    if series.rate is None:
-        return kept
-    return [replace(one, rate=series.rate[one.own][one.used]) for one in kept]
+def _parts(series: Series, readings: Sequence[Array]) -> Iterable[_Part]:
+    """Return the samples of some readings on one clock, ramp by ramp; those of a short record are kept."""
+    rates = [] if series.rate is None else [series.rate]
+
+    def each() -> Iterator[_Part]:
+        for ramp, own in series.batches():
+            rows = (series.temperature, series.time, *readings, *rates)
+            columns = np.array([one[own] for one in rows], dtype=np.float64)
+            path = np.array(series.path[own], dtype=np.int8)
+            yield _Part(ramp, columns, path, np.empty(len(path), dtype=np.int64))
+
+    return list(each()) if series.short else _Again(each)
 
 
-def _each(plan: Plan, series: Series, cut: float) -> Iterator[_Samples]:
+class _Again:
+    """What is made anew each time that it is gone through."""
+
+    def __init__(self, make: Callable[[], Iterator[_Part]]) -> None:
+        self._make = make
+
+    def __iter__(self) -> Iterator[_Part]:
+        return self._make()
+
+
+def _sums(
+    plan: Plan, series: Series, cut: float, readings: Sequence[Array], parts: Iterable[_Part]
+) -> tuple[Array, Array, Array]:
+    """Return how many samples each bin of each ramp has, (r, b), sums of the columns, (2 + k, r, b), and how many none.
+
+    These by rule: no reading or temperature, before the start-up is over, on no path. The bins of all are found.
+    """
+    columns, shape, ends = (
+        2 + len(readings) + (series.rate is not None),
+        (len(series.ramps), plan.bins),
+        _edges(plan, series),
+    )
+    count, sums, left = np.zeros(shape), np.zeros((shape[0], columns, shape[1])), np.zeros(3, dtype=np.int64)
+    for part in parts:
+        kernels.find_bins(part.columns, len(readings), part.path, ends, cut, part.bins, left)
+        kernels.add_sums(part.columns, part.bins, count[part.ramp], sums[part.ramp])
+    return count, sums.swapaxes(0, 1), left
+
+
+def _edges(plan: Plan, series: Series) -> Array:
+    """Return where the first bin begins, and how wide a bin is [degC]."""
     lowest, highest = series.span
-    width = (highest - lowest) / plan.bins
-    for ramp, own in series.batches():
-        T, y, t = series.temperature[own], series.reading[own], series.time[own]
-        valid = np.isfinite(y) & np.isfinite(T)
-        late = valid & ~(np.nan_to_num(t, nan=np.inf) < cut)
-        used = late & (series.path[own] != 0)
-        some = [len(T), *(int(np.count_nonzero(flags)) for flags in (valid, late, used))]
-        left = (some[0] - some[1], some[1] - some[2], some[2] - some[3])
-        rate = None if series.rate is None else series.rate[own][used]
-        T = T[used]
-        at = np.minimum(((T - lowest) / width).astype(np.int64), plan.bins - 1)
-        yield _Samples(ramp, own, used, T, t[used], rate, at, left)
+    return np.array([lowest, (highest - lowest) / plan.bins])
 
 
 def _means(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int]]:
@@ -460,31 +478,20 @@ def _means(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int
 
 def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array]) -> tuple[list[Cells], dict[str, int]]:
     """Return the means of some readings on one clock, in two passes, and how many samples are in none, by rule."""
-    bins, k, is_rated = plan.bins, len(readings), series.rate is not None
-    shape = (len(series.ramps), bins)
-    left = dict.fromkeys(("invalid", "warm_up", "turn_over"), 0)
-    count, sums = np.zeros(shape), np.zeros((2 + k + is_rated, *shape))
-
-    def columns(part: _Samples) -> Array:
-        """Return temperature, time, all readings, and the rate where there is one, a row each."""
-        rates = [] if part.rate is None else [part.rate]
-        return np.array([part.temperature, part.time, *(y[part.own][part.used] for y in readings), *rates])
-
-    for part in _samples(plan, series, cut):
-        for rule, more in zip(left, part.left, strict=True):
-            left[rule] += more
-        count[part.ramp] += np.bincount(part.bin, minlength=bins)
-        sums[:, part.ramp] += _by_bin(columns(part), part.bin, bins)
+    bins, k = plan.bins, len(readings)
+    parts = _parts(series, readings)
+    count, sums, none = _sums(plan, series, cut, readings, parts)
+    left = dict(zip(("invalid", "warm_up", "turn_over"), none.tolist(), strict=True))
     numbers = np.flatnonzero(count)
     means_of = sums / np.where(count, count, 1.0)
     mean_T, mean_t, mean_y, sum_rate = means_of[0], means_of[1], means_of[2 : 2 + k], sums[-1]
-    squares, squares_y = np.zeros((3, *shape)), np.zeros((2, k, *shape))
-    for part in _samples(plan, series, cut):
-        dT, dt, *dy = (columns(part) - means_of[:, part.ramp, part.bin])[: 2 + k]
-        products = [dT * dT, dt * dt, dT * dt, *(one * one for one in dy), *(dT * one for one in dy)]
-        sum_of = _by_bin(np.array(products), part.bin, bins)
-        squares[:, part.ramp] += sum_of[:3]
-        squares_y[:, :, part.ramp] += sum_of[3:].reshape(2, k, bins)
+    each, ends = np.zeros((len(count), 3 + 2 * k, bins)), _edges(plan, series)
+    about = np.ascontiguousarray(means_of.swapaxes(0, 1))
+    for part in parts:
+        if not isinstance(parts, list):
+            kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, np.zeros(3, dtype=np.int64))
+        kernels.add_squares(part.columns, k, part.bins, about[part.ramp], each[part.ramp])
+    squares, squares_y = each[:, :3].swapaxes(0, 1), each[:, 3:].swapaxes(0, 1)
     count, mean_T, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_t, sum_rate))
     var_T, var_t, cov_Tt = squares.reshape(3, -1)[:, numbers] / count
     free = np.maximum(count - 2.0, 1.0)
@@ -517,13 +524,6 @@ def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array])
             once=once,
         ))  # fmt: skip
     return found, left
-
-
-def _by_bin(values: Array, at: Indices, bins: int) -> Array:
-    """Return the sums of values, shape (k, n), in each bin, shape (k, bins)."""
-    k = len(values)
-    places = at + bins * np.arange(k)[:, None]
-    return np.asarray(np.bincount(places.ravel(), values.ravel(), k * bins).reshape(k, bins))
 
 
 def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:
@@ -562,5 +562,4 @@ def _taken(cells: Cells, keep: Mask) -> Cells:
 def _weighed(cells: Cells, ends: tuple[float, float]) -> Cells:
     """Give the cells of one run, path and bin the weight 1 together."""
     key = (cells.run * 3 + cells.path + 1) * (int(cells.bin.max()) + 1) + cells.bin
-    shared = np.unique(key, return_inverse=True)[1]
-    return cells.changed(weight=1.0 / np.bincount(shared)[shared], range=ends, once=Once())
+    return cells.changed(weight=1.0 / np.bincount(key)[key], range=ends, once=Once())
