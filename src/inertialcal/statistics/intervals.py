@@ -15,6 +15,7 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal
 
@@ -108,7 +109,18 @@ def t_intervals(values: Array, u: Array, dof: Array, p: float = 0.95) -> list[In
     known = np.isinf(dof)
     factor = np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below))
     half = factor * u
-    return [Interval(*ends, p) for ends in zip((values - half).tolist(), (values + half).tolist(), strict=True)]
+    return [
+        Interval.of_own(lo, hi, p) for lo, hi in zip((values - half).tolist(), (values + half).tolist(), strict=True)
+    ]
+
+
+def t_intervals_each(figures: Sequence[tuple[Array, Array, Array]], p: float = 0.95) -> list[list[Interval]]:
+    """Return `t_intervals` of each of several sets of values, u and degrees of freedom, all at once."""
+    if not figures:
+        return []
+    found = t_intervals(*(np.concatenate(column) for column in zip(*figures, strict=True)), p)
+    stops = np.cumsum([len(one[0]) for one in figures]).tolist()
+    return [found[start:stop] for start, stop in zip([0, *stops], stops, strict=False)]
 
 
 def upper_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:

@@ -20,7 +20,9 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ...core.curve import Curve
 from ...core.errors import DataError, InertialcalError, Problem
@@ -39,7 +41,7 @@ from .fit.quantities import Asked, Wanted, asked_of, bias_at, earth_along, estim
 from .fit.sensor import OfSensor, reduce_sensors
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .recordings import Readings, Sweep, ThermalRecording, readings_from
-from .rows import needed, rows
+from .rows import needed, rows, rows_many
 from .simulation import Truth, simulate
 
 __all__ = [
@@ -86,9 +88,13 @@ class Result:
         """Bias over temperature, by axis."""
         return {axis: one.law for axis, one in self.sensors.items()}
 
+    @cached_property
+    def _rows(self) -> tuple[Row, ...]:
+        return tuple(rows_many([self])[0])
+
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
-        return tuple(rows(self))
+        return self._rows
 
     def curves(self) -> list[Curve]:
         """Curves of ``results.json``, SI."""
@@ -162,7 +168,13 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             results.append(_result(plan, readings, found_of, asked_for, wrong))
         except InertialcalError as error:
             results.append(error)
-    return _with_estimates(results)
+    found = _with_estimates(results)
+    if len(found) > 1:  # they are wanted of all
+        with suppress(InertialcalError, ArithmeticError):  # of one of them: said where its own are wanted
+            whole = [one for one in found if isinstance(one, Result)]
+            for one, own in zip(whole, rows_many(whole), strict=True):
+                one.__dict__["_rows"] = tuple(own)
+    return found
 
 
 def _with_estimates(results: Sequence[Result | InertialcalError]) -> list[Result | InertialcalError]:

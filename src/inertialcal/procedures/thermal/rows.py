@@ -7,22 +7,21 @@ the test has one path only; ``"textbook"`` for the textbook formula.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ...core.batches import batches, near
 from ...core.batches.summaries import Moments
 from ...core.estimate import Array, Estimate
 from ...core.key import AXES, NO_REASON, Key, Member, Method, Reason
-from ...core.results import Row, not_estimated
+from ...core.results import Interval, Row, not_estimated
 from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
-from ...statistics.intervals import chi_square_interval, t_interval, t_intervals
-from ...statistics.least_squares import decompose, fit, times
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals_each
+from ...statistics.least_squares import fit
 from ...statistics.polynomial import Polynomial
 from .fit.cells import Series
 from .fit.paths import PathEffect
@@ -47,8 +46,20 @@ RAMPS = "from one run: excludes scatter between power-ups"
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
+    return rows_many([result])[0]
+
+
+def rows_many(results: Sequence[Result]) -> list[list[Row]]:
+    """Return the same of each of several results at once."""
+    figures = iter(estimate_rows_each([each for one in results for each in (one.estimate, one.on_path)]))
+    cubics = iter(published_each([(one.plan, each) for one in results for each in one.sensors.values()]))
+    return [_rows(one, next(figures), next(figures), {axis: next(cubics) for axis in one.sensors}) for one in results]
+
+
+def _rows(
+    result: Result, own: Mapping[Key, Row], on_path: Mapping[Key, Row], cubics: Mapping[str, PublishedRows]
+) -> list[Row]:
     found: list[Row] = []
-    own, on_path = estimate_rows(result.estimate), estimate_rows(result.on_path)
     for axis in _axes(result):
         if axis not in result.sensors:
             found.append(not_estimated(Key("bias", axis), result.readings.unit, result.reasons[axis]))
@@ -63,7 +74,7 @@ def rows(result: Result) -> list[Row]:
         found += _start_up_rows(result, axis, one)
         found += _reference_rows(result, axis)
         found += thermometer_rows(result.plan, result.readings, axis)
-        found += published_rows(result.plan, one.series, one.start_up.cut, result.readings.unit)
+        found += published_rows(result.plan, axis, cubics[axis], result.readings.unit)
     return found
 
 
@@ -73,14 +84,23 @@ def _axes(result: Result) -> list[str]:
 
 def estimate_rows(estimate: Estimate | None) -> dict[Key, Row]:
     """Return the rows of the values of an estimate, without a reason."""
-    if estimate is None:
-        return {}
-    intervals = t_intervals(estimate.values, estimate.u, estimate.dof)
-    dof = [one if math.isfinite(one) else None for one in estimate.dof.tolist()]
-    columns = zip(
-        estimate.keys, estimate.values.tolist(), estimate.u.tolist(), estimate.units, dof, intervals, strict=True
-    )
-    return {key: Row.of_own(key, value, u, unit, free, ends, NO_REASON) for key, value, u, unit, free, ends in columns}
+    return estimate_rows_each([estimate])[0]
+
+
+def estimate_rows_each(estimates: Sequence[Estimate | None]) -> list[dict[Key, Row]]:
+    """Return the same of each of several estimates, none of None."""
+    known = [one for one in estimates if one is not None]
+    intervals = iter(t_intervals_each([(one.values, one.u, one.dof) for one in known]))
+    found: list[dict[Key, Row]] = []
+    for one in estimates:
+        own = {}
+        if one is not None:
+            dof = [free if math.isfinite(free) else None for free in one.dof.tolist()]
+            columns = zip(one.keys, one.values.tolist(), one.u.tolist(), one.units, dof, next(intervals), strict=True)
+            own = {key: Row.of_own(key, value, u, unit, free, ends, NO_REASON)
+                   for key, value, u, unit, free, ends in columns}  # fmt: skip
+        found.append(own)
+    return found
 
 
 def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key, Row]) -> Iterator[Row]:
@@ -225,6 +245,7 @@ def _reference_rows(result: Result, axis: str) -> Iterator[Row]:
 
 ORDER = 3
 FEW = 1_000  # samples, to which the published fit is made as they are
+APART = 1e5  # largest entries of moments and of their inverse, up to which they tell the coefficients apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,7 +283,7 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     domain = temperatures.low, temperatures.high
     held = np.empty((0, ORDER + 2))
     for T, y in parts():  # of more than a few, what an orthogonal transformation leaves: the same cubic and sum
-        one = np.column_stack([_rows(T, domain), y])
+        one = np.column_stack([_series(T, domain).T, y])
         few = not len(held) and len(one) <= FEW
         held = one if few else np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r"))
     fitted = fit(held[:, :-1], held[:, -1])
@@ -284,27 +305,37 @@ class _Cubic:
 
 
 def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
-    """Return the cubics of all sensors that share a thermometer; None of few samples, which are fitted as they are."""
+    """Return the cubics of all sensors that share a thermometer; None where they are to be found step by step.
+
+    That is of few samples, which are fitted as they are, and where the moments hardly tell the coefficients apart.
+    """
     T = series.temperature
     used = np.isfinite(T) & ~(np.nan_to_num(series.time, nan=np.inf) < cut)
     y: Array = np.array([*series.together.values()])
     if not used.all():
         T, y = T[used], y[:, used]
-    if len(T) <= FEW or (len(np.unique(T[:FEW])) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
+    if len(T) <= FEW or (len({*T[:64].tolist()}) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
         return None
     domain = float(T.min()), float(T.max())
-    basis, rest = np.linalg.qr(_rows(T, domain))
-    along = y @ basis
-    left = y - along @ basis.T
-    # What an orthogonal transformation leaves of cubic and readings: the same cubic and sum
-    design = decompose(np.vstack([rest, np.zeros(ORDER + 1)]), [f"column {i}" for i in range(ORDER + 1)])
-    held = np.column_stack([along, np.sqrt((left**2).sum(axis=1))])
-    coefficients = design.coefficients(held)
-    squares = ((held - times(design.design, coefficients)) ** 2).sum(axis=1)
     with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
-        total = ((y - y.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
-    covariance = squares[:, None, None] * (design.transform @ design.transform.T)
-    columns = (coefficients, covariance, squares.tolist(), total.tolist())
+        middle = y.mean(axis=1, keepdims=True)
+        away = y - middle
+        total = np.einsum("kn,kn->k", away, away)
+    rows = _series(T, domain)
+    square = rows @ rows.T
+    try:
+        inverse = np.linalg.inv(square)
+    except np.linalg.LinAlgError:
+        return None
+    if not np.abs(inverse).max() * np.abs(square).max() < APART:
+        return None
+    found, left = np.zeros((len(y), ORDER + 1)), away
+    for _ in range(2):  # the second time what rounding left
+        found = found + (left @ rows.T) @ inverse
+        left = away - found @ rows
+    squares = np.einsum("kn,kn->k", left, left)
+    found[:, 0] += middle[:, 0]
+    columns = (found, squares[:, None, None] * inverse, squares.tolist(), total.tolist())
     return [_Cubic(*one, len(T), domain) for one in zip(*columns, strict=True)]
 
 
@@ -321,41 +352,62 @@ def _published(plan: Plan, axis: str, cubic: _Cubic) -> Published:
     return Published(in_unit(over, volts), rss * volts**2, adjusted, n, True)
 
 
-def _rows(T: Array, domain: tuple[float, float]) -> Array:
-    return np.asarray(chebyshev.chebvander((2.0 * T - domain[0] - domain[1]) / (domain[1] - domain[0]), ORDER))
+def _series(T: Array, domain: tuple[float, float]) -> Array:
+    """Return Chebyshev polynomials of temperatures over a range, shape (ORDER + 1, n)."""
+    x = (2.0 * T - domain[0] - domain[1]) / (domain[1] - domain[0])
+    rows = np.empty((ORDER + 1, len(T)))
+    rows[0], rows[1] = 1.0, x
+    for k in range(2, ORDER + 1):
+        rows[k] = 2.0 * x * rows[k - 1] - rows[k - 2]
+    return rows
 
 
-def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Row]:
+@dataclass(frozen=True, eq=False)
+class PublishedRows:
+    """The published fit as powers, with its intervals."""
+
+    fit: Published | None
+    values: Array  # shape (ORDER + 1,)
+    u: Array | None
+    intervals: Sequence[Interval | None]
+
+
+def published_each(sensors: Sequence[tuple[Plan, OfSensor]]) -> list[PublishedRows]:
+    """Return the published fit of each of several sensors."""
+    fits = [published_fit(plan, one.series, one.start_up.cut) for plan, one in sensors]
+    found: list[tuple[Published | None, Array, Array | None]] = []
+    for (plan, _), one in zip(sensors, fits, strict=True):
+        if one is None:
+            found.append((None, np.zeros(0), None))
+            continue
+        values, covariance = one.polynomial.monomials(0.0 if one.volts else plan.reference_temperature)
+        found.append((one, values, None if covariance is None else np.sqrt(covariance.diagonal())))
+    judged = [(values, u, np.full(len(u), one.polynomial.dof)) for one, values, u in found
+              if one is not None and u is not None]  # fmt: skip
+    intervals = iter(t_intervals_each(judged))
+    return [PublishedRows(one, values, u, [None] * len(values) if u is None else next(intervals))
+            for one, values, u in found]  # fmt: skip
+
+
+def published_rows(plan: Plan, axis: str, known: PublishedRows, unit: str) -> list[Row]:
     """Return coefficients, residual sum of squares and adjusted R-square of the published way."""
-    axis, found = series.axis, published_fit(plan, series, cut)
+    found = known.fit
     if found is None:
-        return [
-            not_estimated(
-                Key("residual_sum_of_squares", axis),
-                normalise(f"({unit})^2"),
-                Reason("few_samples", "too few samples for a cubic"),
-                Method.TEXTBOOK,
-            )
-        ]
+        key, reason = Key("residual_sum_of_squares", axis), Reason("few_samples", "too few samples for a cubic")
+        return [not_estimated(key, normalise(f"({unit})^2"), reason, Method.TEXTBOOK)]
     own, by = ("V", "V") if found.volts else (unit, "degC")
     stem = "bias_voltage" if found.volts else "bias_temperature"
-    reference = 0.0 if found.volts else plan.reference_temperature
-    values, covariance = found.polynomial.monomials(reference)
     told = f"unweighted cubic through all {found.samples} samples; the uncertainty assumes they are independent"
-    reason = Reason("limits", told)
-    dof = found.polynomial.dof
-    us = None if covariance is None else np.sqrt(covariance.diagonal())
-    intervals = None if us is None else t_intervals(values, us, np.full(len(us), dof))
+    reason, dof = Reason("limits", told), found.polynomial.dof
+    us = [None] * len(known.values) if known.u is None else known.u.tolist()
     rows = []
-    for j, value in enumerate(values.tolist()):
+    for j, (value, u, interval) in enumerate(zip(known.values.tolist(), us, known.intervals, strict=True)):
         key = Key("bias", axis) if j == 0 and not found.volts else Key(stem, axis, power=j)
-        u, interval = (None, None) if us is None or intervals is None else (float(us[j]), intervals[j])
         rows.append(Row(key, value, u, power_unit(own, by, j), dof, interval, reason=reason, method=Method.TEXTBOOK))
     square = normalise(f"({own})^2")
     for name, value, its in (
         ("residual_sum_of_squares", found.residual_sum_of_squares, square),
         ("adjusted_r_square", found.adjusted_r_square, "1"),
     ):
-        key = Key(name, axis)
-        rows.append(Row(key, value, None, its, status="not_estimated", reason=reason, method=Method.TEXTBOOK))
+        rows.append(Row.without(Key(name, axis), value, its, reason, Method.TEXTBOOK))
     return rows
