@@ -275,7 +275,7 @@ class Sources:
     covariance: Array  # shape (u, k, k)
     dof: Array | float = np.inf  # shape (u, k)
     distribution: str = "normal"
-    stated: tuple[float, str] | Sequence[tuple[float, str]] | None = None  # of all, or one a unit in a list
+    stated: tuple[float, str] | list[tuple[float, str] | None] | None = None  # of all, or one a unit
     changes: Array | None = None  # shape (u, s, k)
     unknowns: tuple[str, ...] = ()
     term: str = ""
@@ -305,14 +305,14 @@ class Sources:
         """Whether a look at all units finds nothing that a check of each would refuse."""
         c, dof = self.covariance, self.dof
         variance = np.diagonal(c, axis1=1, axis2=2)
-        stated = self.stated if isinstance(self.stated, list) else [] if self.stated is None else [self.stated]
+        stated: list[tuple[float, str] | None] = self.stated if isinstance(self.stated, list) else [self.stated]
         acts = (variance > 0.0).any(axis=1)
         return bool(
             (dof > 0.0 if isinstance(dof, float) else (dof > 0.0).all())
             and np.isfinite(c).all()
             and (variance >= 0.0).all()
             and (c == c.swapaxes(1, 2)).all()
-            and not (acts & ~np.array([one[0] > 0.0 for one in stated] or [True])).any()
+            and not (acts & ~np.array([one is None or one[0] > 0.0 for one in stated])).any()
         )
 
     def each(self, sizes: Sequence[int]) -> list[Component | None]:
@@ -408,8 +408,8 @@ class Estimate:
         sizes = [len(one) for one in given]
         columns = zip(*(one.each(sizes) for one in sources), strict=True)
         made = [
-            cls.of_own(keys, row[: len(keys)], its, tuple([one for one in each if one is not None]))
-            for keys, row, its, each in zip(given, values, units, columns, strict=True)
+            cls.of_own(keys, row[: len(keys)], its, tuple([part for part in own if part is not None]))
+            for keys, row, its, own in zip(given, values, units, columns, strict=True)
         ]
         total = np.zeros((count, k, k))
         for one in sources:
@@ -421,8 +421,8 @@ class Estimate:
             return [one.checked() for one in made]
         u, dof = np.sqrt(whole), joined_dof(variances, [one.dof for one in sources], whole)
         total.flags.writeable = u.flags.writeable = dof.flags.writeable = False
-        for i, (one, n) in enumerate(zip(made, sizes, strict=True)):
-            one.__dict__.update(covariance=total[i, :n, :n], u=u[i, :n], dof=dof[i, :n])
+        for i, (each, n) in enumerate(zip(made, sizes, strict=True)):
+            each.__dict__.update(covariance=total[i, :n, :n], u=u[i, :n], dof=dof[i, :n])
         return list(made)
 
     def checked(self) -> Estimate | DataError:

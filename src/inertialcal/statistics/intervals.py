@@ -118,7 +118,8 @@ def t_intervals_each(figures: Sequence[tuple[Array, Array, Array]], p: float = 0
     """Return `t_intervals` of each of several sets of values, u and degrees of freedom, all at once."""
     if not figures:
         return []
-    found = t_intervals(*(np.concatenate(column) for column in zip(*figures, strict=True)), p)
+    values, u, dof = (np.concatenate(column) for column in zip(*figures, strict=True))
+    found = t_intervals(values, u, dof, p)
     stops = np.cumsum([len(one[0]) for one in figures]).tolist()
     return [found[start:stop] for start, stop in zip([0, *stops], stops, strict=False)]
 

@@ -32,6 +32,7 @@ from ..core.estimate import Array
 
 APART = 1e-6  # share of a column that others leave, below which its decomposition is made anew
 NEGLIGIBLE = 1e-7  # share of a (unit length) column in a combination below which it is not named
+ALIKE = 100.0  # over what columns at right angles have: from where on coefficients are refined
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,6 +248,7 @@ class Decomposed:
     design: Array  # as given, (..., n, p)
     basis: Array  # orthonormal, of its columns, (..., n, p)
     transform: Array  # ``coefficients = transform @ basis.T @ readings``, (..., p, p)
+    length: Array  # of its columns, (..., p)
 
     def with_column(self, column: Array) -> Decomposed:
         """Return the decomposition with one column more, shape (..., n), finite; raises as `decompose`."""
@@ -264,12 +266,24 @@ class Decomposed:
         transform[..., :p, :p] = self.transform
         transform[..., :p, p] = times(self.transform, along) / -size[..., None]
         transform[..., p, p] = 1.0 / size
-        return Decomposed(design, np.concatenate([self.basis, (left / size[..., None])[..., None]], axis=-1), transform)
+        basis = np.concatenate([self.basis, (left / size[..., None])[..., None]], axis=-1)
+        length = np.concatenate([self.length, np.sqrt(np.sum(column**2, axis=-1))[..., None]], axis=-1)
+        return Decomposed(design, basis, transform, length)
 
     def coefficients(self, readings: Array) -> Array:
-        """Return the coefficients of readings, shape (..., n), each set by itself, after one refinement: (..., p)."""
-        back, wide = self.basis.swapaxes(-1, -2), self._wide
+        """Return the coefficients of readings, shape (..., n), each set by itself: (..., p).
+
+        After one refinement where the columns look alike by more than rounding is good for.
+        """
+        back = self.basis.swapaxes(-1, -2)
         found = times(self.transform, times(back, readings))
+        alike = self._alike
+        if not alike.any():
+            return found
+        if alike.ndim and not alike.all():
+            found[alike] = self.take(np.flatnonzero(alike)).coefficients(readings[alike])
+            return found
+        wide = self.design.astype(np.longdouble)
         left = readings - times(self.design, found)
         missed: Array = (readings - np.matmul(wide, found[..., None])[..., 0] - left).astype(float)
         along: Array = np.matmul(wide.swapaxes(-1, -2), left[..., None])[..., 0].astype(float)
@@ -277,13 +291,15 @@ class Decomposed:
         return found + times(self.transform, times(back, missed) + times(turned, along))
 
     @cached_property
-    def _wide(self) -> NDArray[np.longdouble]:
-        return self.design.astype(np.longdouble)
+    def _alike(self) -> NDArray[np.bool_]:
+        """Whether a column is close to a combination of the others, shape (...)."""
+        size = np.sqrt(np.sum((self.transform * self.length[..., None]) ** 2, axis=(-2, -1)))
+        return np.asarray(size > ALIKE)
 
-    def take(self, numbers: Sequence[int]) -> Decomposed:
+    def take(self, numbers: Sequence[int] | NDArray[np.intp]) -> Decomposed:
         """Return some of several, by number."""
         at = np.asarray(numbers)
-        return Decomposed(self.design[at], self.basis[at], self.transform[at])
+        return Decomposed(self.design[at], self.basis[at], self.transform[at], self.length[at])
 
 
 def times(matrix: Array, vectors: Array) -> Array:
@@ -307,7 +323,7 @@ def decompose(white: Array, names: Sequence[str]) -> Decomposed:
     if lost.any():
         at = tuple(np.argwhere(lost)[0][:-1])
         raise _rank_deficient(rows[at][lost[at]].T, length[at], tuple(names))
-    return Decomposed(white, basis, rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None])
+    return Decomposed(white, basis, rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None], length)
 
 
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:

@@ -218,24 +218,22 @@ def _chosen(units: Sequence[_Unit], dwells: Sequence[Readings], sensor: str) -> 
 def _results(units: Mapping[int, _Unit]) -> dict[int, Result | InertialcalError]:
     """Return what was found of each unit, or its refusal."""
     found: dict[int, Result | InertialcalError] = {}
-    for i, one in units.items():
+    wanted: list[tuple[int, str, tuple[Plan, Mapping[str, Line], Mapping[str, Line]]]] = []
+    for i, unit in units.items():
         try:
-            found[i] = _result(one)
+            found[i] = one = _result(unit)
         except InertialcalError as error:
             found[i] = error
-    whole = [(i, one) for i, one in found.items() if isinstance(one, Result)]
-    again = [(i, one) for i, one in whole if any(units[i].chosen[s] is not units[i].everything[s] for s in one.lines)]
-    wanted = [(one.plan, one.lines, one.full) for _, one in whole]
-    for i, one in again:
-        every = {s: each for s in one.lines if isinstance(each := units[i].everything[s], Chosen)}
-        own, full = ({s: getattr(each, name) for s, each in every.items()} for name in ("line", "full"))
-        wanted.append((one.plan, own, full))
-    made = estimates(wanted)
-    names = ["estimate"] * len(whole) + ["all_readings"] * len(again)
-    for (i, _), name, each in zip([*whole, *again], names, made, strict=True):
-        one = found[i]
-        if isinstance(one, Result):
-            found[i] = each if isinstance(each, DataError) else changed(one, **{name: each})
+            continue
+        wanted.append((i, "estimate", (one.plan, one.lines, one.full)))
+        every = {s: each for s in one.lines if isinstance(each := unit.everything[s], Chosen)}
+        if any(unit.chosen[s] is not each for s, each in every.items()):
+            own, full = ({s: getattr(each, name) for s, each in every.items()} for name in ("line", "full"))
+            wanted.append((i, "all_readings", (one.plan, own, full)))
+    for (i, name, _), estimate in zip(wanted, estimates([given for _, _, given in wanted]), strict=True):
+        made = found[i]
+        if isinstance(made, Result):
+            found[i] = estimate if isinstance(estimate, DataError) else changed(made, **{name: estimate})
     return found
 
 

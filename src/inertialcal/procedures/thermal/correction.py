@@ -209,17 +209,17 @@ def sources_of_each(results: Sequence[Result], levels: Sequence[Mapping[str, flo
             for axis, law in one.laws.items()
         }
         wanted.append(Wanted(plans[id(plan)], one.laws, asked, unit))
-    factors = iter(_factors([law for one in wanted for law in one.laws.values()]))
+    unknown = iter(_factors([law for one in wanted for law in one.laws.values()]))
     found: list[Known | DataError] = []
-    for one, estimate in zip(wanted, estimates(wanted), strict=True):
-        own = [(law, one.asked[axis][0], next(factors)) for axis, law in one.laws.items()]
+    for each, estimate in zip(wanted, estimates(wanted), strict=True):
+        own = [(law, each.asked[axis][0], next(unknown)) for axis, law in each.laws.items()]
         if estimate is None:
             found.append((None, []))
         elif isinstance(estimate, DataError):
             found.append(estimate)
         else:
-            acting = [each for each in estimate.components if (each.covariance.diagonal() > 0.0).any()]
-            found.append((estimate, [(each, _changes(estimate, each, own)) for each in acting]))
+            acting = [part for part in estimate.components if (part.covariance.diagonal() > 0.0).any()]
+            found.append((estimate, [(part, _changes(estimate, part, own)) for part in acting]))
     return found
 
 

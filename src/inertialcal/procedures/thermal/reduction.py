@@ -168,13 +168,17 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             results.append(_result(plan, readings, found_of, asked_for, wrong))
         except InertialcalError as error:
             results.append(error)
-    found = _with_estimates(results)
-    if len(found) > 1:  # they are wanted of all
-        with suppress(InertialcalError, ArithmeticError):  # of one of them: said where its own are wanted
-            whole = [one for one in found if isinstance(one, Result)]
-            for one, own in zip(whole, rows_many(whole), strict=True):
-                one.__dict__["_rows"] = tuple(own)
-    return found
+    results = _with_estimates(results)
+    if len(results) > 1:  # rows of many are wanted
+        _keep_rows([one for one in results if isinstance(one, Result)])
+    return results
+
+
+def _keep_rows(results: Sequence[Result]) -> None:
+    """Let results keep their rows, made at once; what one of them is refused for is said where it is asked."""
+    with suppress(InertialcalError, ArithmeticError):
+        for one, own in zip(results, rows_many(results), strict=True):
+            one.__dict__["_rows"] = tuple(own)
 
 
 def _with_estimates(results: Sequence[Result | InertialcalError]) -> list[Result | InertialcalError]:
@@ -189,9 +193,9 @@ def _with_estimates(results: Sequence[Result | InertialcalError]) -> list[Result
         wanted.append(Wanted(replace(one.plan, standards=known), laws, one.asked, one.readings.unit))
     names = ["estimate"] * len(whole) + ["on_path"] * len(single)
     for (i, _), name, each in zip([*whole, *single], names, estimates(wanted), strict=True):
-        one = found[i]
-        if isinstance(one, Result):
-            found[i] = each if isinstance(each, DataError) else changed(one, **{name: each})
+        made = found[i]
+        if isinstance(made, Result):
+            found[i] = each if isinstance(each, DataError) else changed(made, **{name: each})
     return found
 
 

@@ -97,22 +97,21 @@ def _turns(level: Array, reversal: float) -> tuple[list[int], list[int]]:
     """Return where each ramp begins and which way it goes; none where nothing moves."""
     turns: list[int] = []
     ways: list[int] = []
-    lowest = highest = 0
-    for i, value in enumerate(level.tolist()):
-        way = ways[-1] if ways else NO_PATH
-        if value < level[lowest]:
-            lowest = i
-        if value > level[highest]:
-            highest = i
-        if way != WARMING and value - level[lowest] >= reversal:
-            turns.append(_leaves_turn(level, lowest, i, reversal))
-            ways.append(WARMING)
-            highest = i
-        elif way != COOLING and level[highest] - value >= reversal:
-            turns.append(_leaves_turn(level, highest, i, reversal))
-            ways.append(COOLING)
-            lowest = i
-    return turns, ways
+    at, way = 0, NO_PATH
+    while True:  # from where one ramp is seen to where the next one is
+        rest = level[at:]
+        far = {WARMING: rest - np.minimum.accumulate(rest), COOLING: np.maximum.accumulate(rest) - rest}
+        seen = [
+            (int(np.argmax(off >= reversal)), one) for one, off in far.items() if one != way and off.max() >= reversal
+        ]
+        if not seen:
+            return turns, ways
+        stop, way = min(seen, key=lambda one: one[0])
+        until = rest[: stop + 1]
+        turn = at + int(until.argmin() if way == WARMING else until.argmax())
+        turns.append(_leaves_turn(level, turn, at + stop, reversal))
+        ways.append(way)
+        at += stop
 
 
 def _leaves_turn(level: Array, turn: int, stop: int, reversal: float) -> int:

@@ -121,8 +121,8 @@ def estimates(
     for alike in kinds.values():
         plan = units[alike[0][0]][0]
         made = _alike(plan, [Part.of(each) for each in zip(*(used for _, used in alike), strict=True)])
-        for (i, _), one in zip(alike, made, strict=True):
-            found[i] = one
+        for (i, _), each in zip(alike, made, strict=True):
+            found[i] = each
     return found
 
 
@@ -365,6 +365,6 @@ def _unresolved(parts: list[Part], blocks: list[slice], shape: tuple[int, ...]) 
             source, term = f"{WORDS[other.name]} of {sensor}, not resolved", Key(CURVATURES[other.name], sensor)
             size, unit = np.array([one.size for one in each]), UNITS[term.quantity]
             covariance = size[:, None, None] ** 2 * (change.swapaxes(1, 2) * change)
-            stated = [(one.size, unit) for one in each]
+            stated: list[tuple[float, str] | None] = [(one.size, unit) for one in each]
             found.append(Sources(source, "B", covariance, stated=stated, changes=change, term=str(term)))
     return found

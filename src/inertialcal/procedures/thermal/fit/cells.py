@@ -440,7 +440,7 @@ class _Again:
 
 def _sums(
     plan: Plan, series: Series, cut: float, readings: Sequence[Array], parts: Iterable[_Part]
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Indices]:
     """Return how many samples each bin of each ramp has, (r, b), sums of the columns, (2 + k, r, b), and how many none.
 
     These by rule: no reading or temperature, before the start-up is over, on no path. The bins of all are found.
@@ -454,7 +454,7 @@ def _sums(
     for part in parts:
         kernels.find_bins(part.columns, len(readings), part.path, ends, cut, part.bins, left)
         kernels.add_sums(part.columns, part.bins, count[part.ramp], sums[part.ramp])
-    return count, sums.swapaxes(0, 1), left
+    return count, np.asarray(sums.swapaxes(0, 1)), left
 
 
 def _edges(plan: Plan, series: Series) -> Array:

@@ -235,9 +235,10 @@ class _Part:
         if not keep.any():
             return None
         keys, units = tuple(compress(self.asked.keys, keep)), tuple(compress(self.asked.units, keep))
-        columns = (one[keep] for one in (self.raw, self.constant, self.slope, self.covariance[:, keep], self.dof,
-                                         self.choice))  # fmt: skip
-        return _Part(self.law, Asked(keys, units, self.asked.rows[keep]), *columns, self.at)
+        return _Part(
+            self.law, Asked(keys, units, self.asked.rows[keep]), self.raw[keep], self.constant[keep], self.slope[keep],
+            self.covariance[np.ix_(keep, keep)], self.dof[keep], self.choice[keep], self.at,
+        )  # fmt: skip
 
 
 def estimates(units: Sequence[Wanted]) -> list[Estimate | DataError | None]:
@@ -245,19 +246,21 @@ def estimates(units: Sequence[Wanted]) -> list[Estimate | DataError | None]:
     sensors = [(axis, law, one.asked[axis]) for one in units for axis, law in one.laws.items()]
     parts = iter(_Part.each(sensors))
     found: list[Estimate | DataError | None] = [None] * len(units)
-    kinds: dict[tuple[object, ...], list[tuple[int, list[_Part]]]] = {}
+    kinds: dict[tuple[int, str, str], list[tuple[int, list[_Part]]]] = {}
     for i, (plan, laws, _, unit) in enumerate(units):
         gap = plan.standards.get("sensor.hysteresis") is not None
         own = [one for _, part in zip(laws, parts, strict=False) if (one := part.known(unit, gap)) is not None]
         if own:
-            levels = {plan.run_level if one.law.level == "run" and plan.run_level == "recording" else one.law.level
-                      for one in own}  # fmt: skip
+            by_recording = plan.run_level == "recording"
+            levels: set[str] = {
+                "recording" if by_recording and one.law.level == "run" else one.law.level for one in own
+            }
             level = levels.pop() if len(levels) == 1 else "highest"
             kinds.setdefault((id(plan), unit, level), []).append((i, own))
     for (_, unit, level), alike in kinds.items():
-        made = _alike(units[alike[0][0]].plan, str(unit), str(level), [own for _, own in alike])
-        for (i, _), one in zip(alike, made, strict=True):
-            found[i] = one
+        made = _alike(units[alike[0][0]].plan, unit, level, [own for _, own in alike])
+        for (i, _), each in zip(alike, made, strict=True):
+            found[i] = each
     return found
 
 
@@ -284,7 +287,7 @@ def _alike(plan: Plan, unit: str, level: str, units: Sequence[Sequence[_Part]]) 
     sources = [Sources(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")]
     if choice.any():
         hidden = Sources.of_changes(ORDER, choice, np.inf, "A")
-        sources.append(replace(hidden, changes=None, there=choice.any(axis=(1, 2))))
+        sources.append(replace(hidden, changes=None, there=np.asarray(choice.any(axis=(1, 2)))))
     for name, each in unknown.items():
         changes = -each.patterns[:, at].swapaxes(0, 1) * constant[:, None]
         sources.append(_of(f"earth rate: {name}", each.influence, changes))
