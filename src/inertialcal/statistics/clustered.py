@@ -24,7 +24,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -134,15 +134,31 @@ def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:
     return clustered_each([fit], [_clusters(fit, clusters)])[0]
 
 
-def clustered_each(fits: Sequence[Fit], members: Sequence[Members]) -> list[Clustered]:
-    """Return the same of several fits of one shape, whose readings are of two clusters or more, of one number."""
+def clustered_each(
+    fits: Sequence[Fit], members: Sequence[Members], designs: Sequence[Hashable] | None = None
+) -> list[Clustered]:
+    """Return the same of several fits of one shape, whose readings are of two clusters or more, of one number.
+
+    Fits of one design, by its name in ``designs``, have the same basis and members: what these share is found once.
+    """
+    names = range(len(fits)) if designs is None else designs
+    known = {name: i for i, name in reversed([*enumerate(names)])}
+    own = sorted(known.values())
     n, p = fits[0].basis.shape
-    first = n * np.arange(len(fits))[:, None]
-    order, starts = (np.array([one[i] for one in members]) + first for i in range(2))
-    shares = Shares(Members(order.ravel(), starts.ravel()), np.concatenate([one.basis for one in fits]))
-    roots = [one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits]
-    gram, adjust = (one.reshape(len(fits), -1, p, p) for one in (shares.gram, shares.adjust))
-    score = shares.score(np.concatenate(roots)).reshape(len(fits), -1, p)
+    first = n * np.arange(len(own))[:, None]
+    order, starts = (np.array([members[k][i] for k in own]) + first for i in range(2))
+    shares = Shares(Members(order.ravel(), starts.ravel()), np.concatenate([fits[k].basis for k in own]))
+    gram, adjust = (one.reshape(len(own), -1, p, p) for one in (shares.gram, shares.adjust))
+    if len(own) < len(fits):
+        place = {k: i for i, k in enumerate(own)}
+        at = np.array([place[known[name]] for name in names])
+        gram, adjust = gram[at], adjust[at]
+    roots = np.array([one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits])
+    rows = np.arange(len(fits))[:, None]
+    by = np.array([one.order for one in members])
+    moved = np.array([one.basis for one in fits])[rows, by] * roots[rows, by][..., None]
+    sums = np.add.reduceat(moved.reshape(-1, p), (np.array([one.starts for one in members]) + n * rows).ravel())
+    score = times(adjust, sums.reshape(len(fits), -1, p))
     return [Clustered(fit, *own) for fit, *own in zip(fits, gram, adjust, score, strict=True)]
 
 

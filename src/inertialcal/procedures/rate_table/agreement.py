@@ -72,17 +72,34 @@ class Run:
 
 def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     """Return where runs and readings disagree with the nominal, and with each other."""
-    if not len(readings) or not readings.outputs:
-        return []
-    if copies := _copies(readings):
-        return copies
-    judged = _Judged(plan, readings)
-    return [
-        *judged.saturated(),
-        *judged.against_nominal(),
-        *judged.against_others(),
-        *judged.single_readings(),
-    ]
+    return agreement_many([(plan, readings)])[0]
+
+
+def agreement_many(tests: Sequence[tuple[Plan, Readings]]) -> list[list[Remark]]:
+    """Return the same of each of many tests; those whose units were turned alike are looked at together."""
+    found: list[list[Remark]] = [[] for _ in tests]
+    alike: dict[tuple[object, ...], list[tuple[int, _Read]]] = {}
+    for i, (plan, readings) in enumerate(tests):
+        if not len(readings) or not readings.outputs:
+            continue
+        if copies := _copies(readings):
+            found[i] = copies
+            continue
+        one = _Read.of(plan, readings)
+        key = (id(plan), id(readings.turned), one.sensors) if np.isfinite(one.outputs).all() else (i,)
+        alike.setdefault(key, []).append((i, one))
+    for units in alike.values():
+        figures = _Figures([one for _, one in units])
+        for u, (i, one) in enumerate(units):
+            if not figures.quiet[u]:
+                judged = _Judged(one, figures, u)
+                found[i] = [
+                    *judged.saturated(),
+                    *judged.against_nominal(),
+                    *judged.against_others(),
+                    *judged.single_readings(),
+                ]
+    return found
 
 
 def _runs(readings: Readings) -> list[Run]:
@@ -131,36 +148,194 @@ def _copies(readings: Readings) -> list[Remark]:
     return remarks
 
 
-class _Judged:
-    """Runs with their responses, a row a sensor.
+@dataclass(frozen=True, eq=False)
+class _Read:
+    """What a test reads, a row a sensor.
 
     Readings at the rail are left out here too. Those of an odd scatter are not: a run in another unit has one.
     """
 
-    def __init__(self, plan: Plan, readings: Readings) -> None:
-        self.plan, self.readings, self.applied, self.where = plan, readings, readings.applied, readings.where
-        self.turned, self.sensors = readings.turned, tuple(readings.outputs)
-        self.sets = self.turned.like_runs
-        left_out = [exclusions(plan, readings, sensor) for sensor in self.sensors]
+    plan: Plan
+    readings: Readings
+    sensors: tuple[str, ...]
+    outputs: Array  # shape (sensors, n)
+    used: NDArray[np.bool_]  # shape (sensors, n)
+
+    @classmethod
+    def of(cls, plan: Plan, readings: Readings) -> _Read:
+        """Return what a test reads."""
+        sensors = tuple(readings.outputs)
+        left_out = [exclusions(plan, readings, sensor) for sensor in sensors]
         rail = np.array([one.rail for one in left_out])
         y: Array = np.array([*readings.outputs.values()])
         if readings.earth is not None:
-            y = y - readings.earth.T[[AXES.index(sensor) for sensor in self.sensors]]
-        self.outputs = np.where(rail, np.nan, y) if rail.any() else y
-        self.used = ~np.array([one.any for one in left_out])
-        self.slope, level = self._lines()  # (runs, sensors)
+            y = y - readings.earth.T[[AXES.index(sensor) for sensor in sensors]]
+        outputs = np.where(rail, np.nan, y) if rail.any() else y
+        return cls(plan, readings, sensors, outputs, ~np.array([one.any for one in left_out]))
+
+
+class _Figures:
+    """Responses of the runs of tests whose units were turned alike and read everything; or of one test."""
+
+    def __init__(self, units: Sequence[_Read]) -> None:
+        first = units[0]
+        self.plan, self.sensors, self.turned = first.plan, first.sensors, first.readings.turned
+        self.applied, self.sets = first.readings.applied, self.turned.like_runs
+        self.outputs = np.array([one.outputs for one in units])  # (units, sensors, n)
+        self.slope, level = self._lines()  # (units, runs, sensors)
         numbers = self.turned.run_numbers
-        self.off = self.outputs - level[numbers].T - self.slope[numbers].T * self.applied  # off the line of the run
+        by_run = (one[:, numbers].swapaxes(1, 2) for one in (level, self.slope))  # (units, sensors, n) each
+        self.off = self.outputs - next(by_run) - next(by_run) * self.applied  # off the line of the run
         self.known = np.isfinite(self.off)
         axes = np.array([one.axis for one in self.turned.runs_about])
         self.own = axes[:, None] == np.array(self.sensors)  # (runs, sensors)
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
         self.odd = self.off.copy()
-        self.scale, self.dof = self._lent(*self._scales())  # (sets, sensors)
+        self.scale, self.dof = self._lent(*self._scales())  # (units, sets, sensors)
         spread = self._spreads()
         some = spread > 0.0
-        scale = self.scale[self.turned.set_of_run]
+        scale = self.scale[:, self.turned.set_of_run]
         self.u = np.where(some, scale / np.sqrt(EFFICIENCY * np.where(some, spread, 1.0)), 0.0)
+        self.nominal = self._nominal()  # (units, runs)
+        judged = (self.dof > 0.0) & (self.scale > 0.0)  # coarse readings may not scatter at all
+        least = np.where(judged, FEWEST_SCATTERS * self.scale, np.inf)[:, self.turned.set_of_run[numbers]]
+        used = np.array([one.used for one in units])
+        self.beyond = used & (np.abs(self.odd) > least.swapaxes(1, 2))  # (units, sensors, n)
+        self.quiet = self.nominal.all(axis=1) & ~self.beyond.any(axis=(1, 2))
+        if self.quiet.any():
+            self.quiet &= ~(self._differs() | self._may_saturate())
+
+    @property
+    def alpha(self) -> Array:
+        """Chance of a false alarm that each sensor in each set of runs may have, shape (sets, sensors)."""
+        owns = self.own[[one[0] for one in self.sets]]
+        count = int(np.count_nonzero(owns))
+        return FALSE_ALARM * np.where(owns, 0.5 / max(count, 1), 0.25 / max(owns.size - count, 1))
+
+    def _lines(self) -> tuple[Array, Array]:
+        """Return slope and level of each sensor in each run, shapes (units, runs, sensors)."""
+        y = self.outputs
+        slope, level = (np.full((len(y), len(self.turned.runs_about), y.shape[1]), np.nan) for _ in range(2))
+        for numbers, rows in self.turned.run_lengths:
+            if rows.shape[1] <= AT_ONCE:
+                found = repeated_median_lines(self.applied[rows][:, None], y[:, :, rows].swapaxes(1, 2))
+                slope[:, numbers], level[:, numbers] = found
+                continue
+            for i, at in zip(numbers, rows, strict=True):
+                for u, unit in enumerate(y):
+                    lines = [repeated_median_line(self.applied[at], one[at]) for one in unit]
+                    slope[u, i], level[u, i] = zip(*lines, strict=True)
+        return slope, level
+
+    def _spreads(self) -> Array:
+        """Return the sum of squares of the rates of each run about their mean, as read, (1 or units, runs, sensors)."""
+        read = np.isfinite(self.outputs)
+        if read.all():
+            return np.repeat(self.turned.spread_in_runs(read[0, 0])[:, None], read.shape[1], axis=1)[None]
+        return np.array([np.column_stack([self.turned.spread_in_runs(one) for one in unit]) for unit in read])
+
+    def _scales(self) -> tuple[Array, Array]:
+        """Return scale and degrees of freedom of the readings of sets of runs about their lines.
+
+        Shapes (units, sets, sensors).
+        """
+        scale, dof = (np.zeros((len(self.outputs), len(self.sets), len(self.sensors))) for _ in range(2))
+
+        def find(sets: NDArray[np.intp], sensors: NDArray[np.intp], like: LikeRows) -> None:
+            off, fitted = self.off[:, sensors], 2 * len(self.sets[sets[0]])
+            for same in like.at_rates:
+                if same.shape[2] >= ENOUGH:
+                    off[:, :, same] -= medians(off[:, :, same])[..., None]
+                    fitted += same.shape[1]
+            at = like.rows.ravel()
+            self.odd[:, sensors[:, None], at] = off[:, :, at]
+            for out, found in zip((scale, dof), robust_scales(off[:, :, like.rows], fitted), strict=True):
+                out[:, sets[:, None], sensors] = found.swapaxes(1, 2)
+
+        every = np.arange(len(self.sensors))
+        if self.known.all():
+            for sets, like in self.turned.sets_alike(SAME_RATE):
+                find(sets, every, like)
+            return scale, dof
+        for k, sensors, rows in self._read_alike():
+            rates = [same[None] for same in self.turned.at_rates(rows, SAME_RATE)]
+            find(np.array([k]), np.array(sensors), LikeRows(rows[None], rates))
+        return scale, dof
+
+    def _read_alike(self) -> Iterator[tuple[int, list[int], NDArray[np.intp]]]:
+        """Yield the sets of runs of one test, the sensors that read the same rows of them, and these."""
+        for k, at in enumerate(self.turned.rows_of_sets):
+            kinds: dict[bytes, list[int]] = {}
+            for j, known in enumerate(self.known[0][:, at]):
+                kinds.setdefault(known.tobytes(), []).append(j)
+            for there, sensors in kinds.items():
+                rows = at[np.frombuffer(there, dtype=bool)]
+                if len(rows):
+                    yield k, sensors, rows
+
+    def _lent(self, scale: Array, dof: Array) -> tuple[Array, Array]:
+        """Return scales with their degrees of freedom; one that rests on little is not below what is usual."""
+        if (dof >= SURE).all():
+            return scale, dof
+        own, least, shared = self.own[[one[0] for one in self.sets]], scale.copy(), dof.copy()
+        for u in range(len(scale)):
+            for kind in (own, ~own):
+                like = kind & (dof[u] > 0.0)
+                if like.any():
+                    least[u, kind], shared[u, kind] = median(scale[u, like].tolist()), sum(dof[u, like].tolist())
+        sure = dof >= SURE
+        return np.where(sure, scale, np.maximum(scale, least)), np.where(sure, dof, shared)
+
+    def _nominal(self) -> NDArray[np.bool_]:
+        """Return of each run whether nothing of its response would be named, whatever its scatter leaves open."""
+        away = np.abs(self.slope - self.own) <= np.where(self.own, self.plan.agreement, CLEAR)
+        return np.asarray(away.all(axis=2) & self.own.any(axis=1))
+
+    def _differs(self) -> NDArray[np.bool_]:
+        """Return of which tests a run may differ from the others about its axis, nothing else being wrong."""
+        found, alpha = np.zeros(len(self.slope), dtype=bool), self.alpha
+        for sets, runs in self.turned.set_lengths:
+            values, u = (each[:, runs].swapaxes(2, 3) for each in (self.slope, self.u))  # (units, sets, sensors, runs)
+            if runs.shape[1] < FEW or not np.isfinite(values).all():
+                found[:] = True  # each is judged by itself
+                continue
+            limits = np.broadcast_to(alpha[sets], values.shape[:3]).ravel()
+            count = runs.shape[1]
+            any_of = any_disagrees(values.reshape(-1, count), u.reshape(-1, count), limits)
+            found |= any_of.reshape(len(found), -1).any(axis=1)
+        return found
+
+    def _may_saturate(self) -> NDArray[np.bool_]:
+        """Return of which tests a sensor may miss the highest rates, both ways."""
+        found = np.zeros(len(self.slope), dtype=bool)
+        for k, one in enumerate(self.sets):
+            axis = self.turned.runs_about[one[0]].axis
+            if axis not in self.sensors:
+                continue
+            j, rows = self.sensors.index(axis), self.turned.rows_of_sets[k]
+            if not self.known[:, j, rows].all():
+                found[:] = True
+                continue
+            highest = self.turned.highest(rows)
+            if highest is not None and highest.sizes >= ENOUGH:
+                low, high = (medians(self.off[:, j, way[0][1]]) for way in highest.ways)
+                found |= np.minimum(low, -high) > CLIPPED * highest.largest
+        return found
+
+
+class _Judged:
+    """The runs of one test with their responses."""
+
+    def __init__(self, one: _Read, figures: _Figures, u: int) -> None:
+        self.plan, self.readings, self.sensors = one.plan, one.readings, one.sensors
+        self.applied, self.where, self.used, self.outputs = figures.applied, one.readings.where, one.used, one.outputs
+        self.turned, self.sets, self.own, self.alpha = figures.turned, figures.sets, figures.own, figures.alpha
+        self.slope, self.off, self.known, self.odd = (
+            each[u] for each in (figures.slope, figures.off, figures.known, figures.odd)
+        )
+        self.scale, self.dof, self.u, self.nominal, self.beyond = (
+            each[u] for each in (figures.scale, figures.dof, figures.u, figures.nominal, figures.beyond)
+        )
         self.named = np.zeros(len(self.slope), dtype=bool)
 
     @cached_property
@@ -168,74 +343,9 @@ class _Judged:
         """Its runs, as remarks call them."""
         return _runs(self.readings)
 
-    def _lines(self) -> tuple[Array, Array]:
-        """Return slope and level of each sensor in each run, shapes (runs, sensors)."""
-        y = self.outputs
-        slope, level = (np.full((len(self.turned.runs_about), len(y)), np.nan) for _ in range(2))
-        for numbers, rows in self.turned.run_lengths:
-            if rows.shape[1] <= AT_ONCE:
-                found = repeated_median_lines(self.applied[rows][:, None], y[:, rows].swapaxes(0, 1))
-                slope[numbers], level[numbers] = found
-                continue
-            for i, at in zip(numbers, rows, strict=True):
-                lines = [repeated_median_line(self.applied[at], one[at]) for one in y]
-                slope[i], level[i] = zip(*lines, strict=True)
-        return slope, level
-
-    def _spreads(self) -> Array:
-        """Return the sum of squares of the rates of each run about their mean, as read, shape (runs, sensors)."""
-        read = np.isfinite(self.outputs)
-        if read.all():
-            return np.repeat(self.turned.spread_in_runs(read[0])[:, None], len(read), axis=1)
-        return np.column_stack([self.turned.spread_in_runs(one) for one in read])
-
-    def _scales(self) -> tuple[Array, Array]:
-        """Return scale and degrees of freedom of the readings of sets of runs about their lines, (sets, sensors)."""
-        scale, dof = (np.zeros((len(self.sets), len(self.sensors))) for _ in range(2))
-
-        def find(sets: NDArray[np.intp], sensors: NDArray[np.intp], like: LikeRows) -> None:
-            off, fitted = self.off[sensors], 2 * len(self.sets[sets[0]])
-            for same in like.at_rates:
-                if same.shape[2] >= ENOUGH:
-                    off[:, same] -= medians(off[:, same])[..., None]
-                    fitted += same.shape[1]
-            at = like.rows.ravel()
-            self.odd[sensors[:, None], at] = off[:, at]
-            own = np.ix_(sets, sensors)
-            scale[own], dof[own] = (one.T for one in robust_scales(off[:, like.rows], fitted))
-
-        every = np.arange(len(self.sensors))
-        if self.known.all():
-            for sets, like in self.turned.sets_alike(SAME_RATE):
-                find(sets, every, like)
-            return scale, dof
-        for k, one in enumerate(self.sets):
-            at = np.concatenate([self.turned.runs_about[i].at for i in one])
-            kinds: dict[bytes, list[int]] = {}
-            for j, known in enumerate(self.known[:, at]):
-                kinds.setdefault(known.tobytes(), []).append(j)
-            for there, sensors in kinds.items():
-                rows = at[np.frombuffer(there, dtype=bool)]
-                if len(rows):
-                    rates = [same[None] for same in self.turned.at_rates(rows, SAME_RATE)]
-                    find(np.array([k]), np.array(sensors), LikeRows(rows[None], rates))
-        return scale, dof
-
-    def _lent(self, scale: Array, dof: Array) -> tuple[Array, Array]:
-        """Return scales with their degrees of freedom; one that rests on little is not below what is usual."""
-        if (dof >= SURE).all():
-            return scale, dof
-        own, least, shared = self.own[[one[0] for one in self.sets]], scale.copy(), dof.copy()
-        for kind in (own, ~own):
-            like = kind & (dof > 0.0)
-            if like.any():
-                least[kind], shared[kind] = median(scale[like].tolist()), sum(dof[like].tolist())
-        sure = dof >= SURE
-        return np.where(sure, scale, np.maximum(scale, least)), np.where(sure, dof, shared)
-
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""
-        nominal = self._nominal()
+        nominal = self.nominal
         if (nominal | self.named).all():
             return
         for axis in dict.fromkeys(run.axis for run in self.runs):
@@ -249,11 +359,6 @@ class _Judged:
                 continue
             for i, cause in bad.items():
                 yield cause.remark(self.runs[i].name, self.runs[i].place, axis)
-
-    def _nominal(self) -> NDArray[np.bool_]:
-        """Return of each run whether nothing of its response would be named, whatever its scatter leaves open."""
-        away = np.abs(self.slope - self.own) <= np.where(self.own, self.plan.agreement, CLEAR)
-        return np.asarray(away.all(axis=1) & self.own.any(axis=1))
 
     def _cause(self, i: int) -> Cause | None:
         axis = self.runs[i].axis
@@ -269,10 +374,8 @@ class _Judged:
     def against_others(self) -> Iterator[Remark]:
         """Yield runs that differ from the others about the axis."""
         slopes = np.where(self.named[:, None], np.nan, self.slope)
-        owns = self.own[[one[0] for one in self.sets]]  # (sets, sensors)
-        count = int(np.count_nonzero(owns))
-        alpha = FALSE_ALARM * np.where(owns, 0.5 / max(count, 1), 0.25 / max(owns.size - count, 1))
-        alone = np.ones(owns.shape, dtype=bool)  # not judged by themselves, of one number of runs
+        alpha = self.alpha
+        alone = np.ones(alpha.shape, dtype=bool)  # not judged by themselves, of one number of runs
         for sets, runs in self.turned.set_lengths:
             values, u = (each[runs].swapaxes(1, 2) for each in (slopes, self.u))  # (sets, sensors, runs)
             at, of = np.nonzero(np.isfinite(values).all(axis=2) & (runs.shape[1] >= FEW))
@@ -370,9 +473,7 @@ class _Judged:
     def single_readings(self) -> Iterator[Remark]:
         """Yield readings that are off the line of their run, unlike the others at their rate."""
         p = FALSE_ALARM * 0.25 / max(float(np.count_nonzero(self.known)), 1.0)
-        judged = (self.dof > 0.0) & (self.scale > 0.0)  # coarse readings may not scatter at all
-        least = np.where(judged, FEWEST_SCATTERS * self.scale, np.inf)[self.turned.set_of_run[self.turned.run_numbers]]
-        beyond = self.used & (np.abs(self.odd) > least.T)
+        beyond = self.beyond
         if not beyond.any():
             return
         for k, one in enumerate(self.sets):

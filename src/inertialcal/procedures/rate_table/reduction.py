@@ -17,6 +17,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -40,7 +41,7 @@ from .fit.rate_error import RateError, Resolution, rate_errors, resolution
 from .fit.regression import Line, lines
 from .plan import INFLUENCES, Plan
 from .readings import Readings
-from .rows import applies, limits, rows
+from .rows import applies, limits, rows, rows_many
 from .simulation import Truth, simulate
 
 __all__ = [
@@ -87,7 +88,7 @@ class Result:
 
     @cached_property
     def _rows(self) -> tuple[Row, ...]:
-        return tuple(rows(self))
+        return tuple(rows_many([self])[0])
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
@@ -142,6 +143,11 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
     for sensor in dict.fromkeys(sensor for one in units.values() for sensor in one.readings.outputs):
         _fit([one for one in units.values() if sensor in one.readings.outputs], sensor)
     found |= _results(units)
+    results = [one for one in found.values() if isinstance(one, Result)]
+    if len(results) > 1:  # rows of many are wanted
+        with suppress(InertialcalError, ArithmeticError):  # of one of them: said where its own are wanted
+            for one, own in zip(results, rows_many(results), strict=True):
+                one.__dict__["_rows"] = tuple(own)
     return [found[i] for i in range(len(tests))]
 
 

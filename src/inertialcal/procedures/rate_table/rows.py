@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...core.estimate import Estimate
+from ...core.estimate import Array, Estimate
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...statistics.intervals import chi_square_interval, t_interval, t_intervals
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals_each
 from ...statistics.least_squares import times
 from .fit.linearity import linearity_row
 from .fit.quantities import CURVATURES, UNITS, is_silent
@@ -30,9 +30,29 @@ LEVELS = ("sample", "dwell", "run")
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
+    return rows_many([result])[0]
+
+
+def rows_many(results: Sequence[Result]) -> list[list[Row]]:
+    """Return the same of each of several results at once."""
+    kinds = (Method.RESULT, Method.ALL_READINGS)
+    wanted = [(one, each, kind) for one in results
+              for each, kind in zip((one.estimate, one.all_readings), kinds, strict=True)]  # fmt: skip
+    figures, fits = iter(_rows_of_each(wanted)), [_published(one) for one in results]
+    known = [line for own in fits for line in own.values() if line is not None]
+    intervals = iter(t_intervals_each([(one.values, one.u, np.full(2, one.dof)) for one in known]))
+    published = [{sensor: [] if line is None else next(intervals) for sensor, line in own.items()} for own in fits]
+    return [
+        _rows(one, next(figures), next(figures), lines, ends)
+        for one, lines, ends in zip(results, fits, published, strict=True)
+    ]
+
+
+def _rows(
+    result: Result, figures: Mapping[Key, Row], every: Mapping[Key, Row],
+    published: Mapping[str, _Straight | None], intervals: Mapping[str, Sequence[Interval]],
+) -> list[Row]:  # fmt: skip
     found: list[Row] = []
-    figures = _rows_of(result, result.estimate, Method.RESULT)
-    every = _rows_of(result, result.all_readings, Method.ALL_READINGS)
     for sensor in list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs])):
         found += _of_sensor(result, sensor, result.estimate, figures, Method.RESULT)
         if sensor in result.lines:
@@ -45,8 +65,8 @@ def rows(result: Result) -> list[Row]:
             found += _scatter_rows(result, sensor)
             if result.all_readings is not None:
                 found += _of_sensor(result, sensor, result.all_readings, every, Method.ALL_READINGS)
-            if np.any(result.readings.axis == sensor):
-                found += published_rows(result.plan, result.readings, sensor)
+            if sensor in published:
+                found += _published_rows(result.plan, sensor, published[sensor], intervals[sensor])
     return found
 
 
@@ -88,19 +108,20 @@ def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
     return wanted
 
 
-def _rows_of(result: Result, estimate: Estimate | None, method: Method) -> dict[Key, Row]:
-    """Return the rows of the values of an estimate."""
-    if estimate is None:
-        return {}
-    intervals, limits = t_intervals(estimate.values, estimate.u, estimate.dof), result.limits
-    dof = [_dof(one) for one in estimate.dof.tolist()]
-    columns = zip(
-        estimate.keys, estimate.values.tolist(), estimate.u.tolist(), estimate.units, dof, intervals, strict=True
-    )
-    return {
-        key: Row.of_own(key, value, u, unit, free, ends, limits, method)
-        for key, value, u, unit, free, ends in columns
-    }  # fmt: skip
+def _rows_of_each(wanted: Sequence[tuple[Result, Estimate | None, Method]]) -> list[dict[Key, Row]]:
+    """Return the rows of the values of each of several estimates, none of None."""
+    known = [one for _, one, _ in wanted if one is not None]
+    intervals = iter(t_intervals_each([(one.values, one.u, one.dof) for one in known]))
+    found: list[dict[Key, Row]] = []
+    for result, one, method in wanted:
+        own, limits = {}, result.limits
+        if one is not None:
+            dof = [_dof(free) for free in one.dof.tolist()]
+            columns = zip(one.keys, one.values.tolist(), one.u.tolist(), one.units, dof, next(intervals), strict=True)
+            own = {key: Row.of_own(key, value, u, unit, free, ends, limits, method)
+                   for key, value, u, unit, free, ends in columns}  # fmt: skip
+        found.append(own)
+    return found
 
 
 def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> Row:
@@ -191,41 +212,54 @@ def _dof(dof: float) -> float | None:
     return float(dof) if math.isfinite(dof) else None
 
 
-__all__ = ["LEVELS", "Interval", "rows"]
+class _Straight(NamedTuple):
+    """The published fit of a sensor turned about its own axis: slope and intercept."""
+
+    values: Array
+    u: Array
+    dof: float
+    dwells: int
 
 
-def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
-    """Return slope and intercept of the published fit of a sensor turned about its own axis.
+def _published(result: Result) -> dict[str, _Straight | None]:
+    """Return the published fit of each sensor that was turned about its own axis; None of too few dwells.
 
     In volts where the plan has an ideal scale factor, else in the unit of the readings.
     """
+    plan, readings = result.plan, result.readings
+    found: dict[str, _Straight | None] = {}
+    for sensor in result.lines:
+        own = readings.axis == sensor
+        if not own.any():
+            continue
+        own &= np.isfinite(readings.outputs[sensor])
+        x = readings.applied[own]
+        if len(x) < 3 or np.all(x == x[0]):
+            found[sensor] = None
+            continue
+        volts = None if plan.scale_factor is None else plan.scale_factor.get(sensor)
+        y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
+        line, dof = readings.turned.straight(own), len(x) - 2.0
+        values = line.coefficients(y)
+        left = y - times(line.design, values)
+        u = np.sqrt((left**2).sum() / dof * (line.transform**2).sum(axis=1))
+        found[sensor] = _Straight(values, u, dof, len(y))
+    return found
+
+
+def _published_rows(plan: Plan, sensor: str, one: _Straight | None, intervals: Sequence[Interval]) -> list[Row]:
     volts = None if plan.scale_factor is None else plan.scale_factor.get(sensor)
     units = ("V/(rad/s)", "V") if volts is not None else ("1", "rad/s")
-    names = ("scale_factor", "intercept")
-    own = (readings.axis == sensor) & np.isfinite(readings.outputs[sensor])
-    x = readings.applied[own]
-    if len(x) < 3 or np.all(x == x[0]):
+    keys = (Key("scale_factor", sensor), Key("intercept", sensor))
+    if one is None:
         reason = Reason("few_dwells", "needs three dwells or more at two rates or more")
-        return [
-            not_estimated(Key(name, sensor), unit, reason, Method.TEXTBOOK)
-            for name, unit in zip(names, units, strict=True)
-        ]
-    y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
-    line, dof = readings.turned.straight(own), len(x) - 2.0
-    found = line.coefficients(y)
-    left = y - times(line.design, found)
-    us = np.sqrt((left**2).sum() / dof * (line.transform**2).sum(axis=1))
-    told = f"unweighted line through all {len(y)} dwells; the uncertainty assumes they are independent"
+        return [not_estimated(key, unit, reason, Method.TEXTBOOK) for key, unit in zip(keys, units, strict=True)]
+    told = f"unweighted line through all {one.dwells} dwells; the uncertainty assumes they are independent"
+    reason, columns = Reason("limits", told), (one.values.tolist(), one.u.tolist())
     return [
-        Row(
-            Key(name, sensor),
-            float(value),
-            float(u),
-            unit,
-            dof,
-            t_interval(float(value), float(u), dof),
-            reason=Reason("limits", told),
-            method=Method.TEXTBOOK,
-        )
-        for name, value, u, unit in zip(names, found, us, units, strict=True)
+        Row(key, value, u, unit, one.dof, ends, reason=reason, method=Method.TEXTBOOK)
+        for key, value, u, unit, ends in zip(keys, *columns, units, intervals, strict=True)
     ]
+
+
+__all__ = ["LEVELS", "Interval", "rows", "rows_many"]

@@ -310,7 +310,7 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
     That is of few samples, which are fitted as they are, and where the moments hardly tell the coefficients apart.
     """
     T = series.temperature
-    used = np.isfinite(T) & ~(np.nan_to_num(series.time, nan=np.inf) < cut)
+    used = np.isfinite(T) & ~(series.time < cut)  # without a time it counts
     y: Array = np.array([*series.together.values()])
     if not used.all():
         T, y = T[used], y[:, used]
@@ -329,10 +329,9 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
         return None
     if not np.abs(inverse).max() * np.abs(square).max() < APART:
         return None
-    found, left = np.zeros((len(y), ORDER + 1)), away
-    for _ in range(2):  # the second time what rounding left
-        found = found + (left @ rows.T) @ inverse
-        left = away - found @ rows
+    found = (away @ rows.T) @ inverse
+    left = away - found @ rows
+    found += (left @ rows.T) @ inverse  # what rounding left
     squares = np.einsum("kn,kn->k", left, left)
     found[:, 0] += middle[:, 0]
     columns = (found, squares[:, None, None] * inverse, squares.tolist(), total.tolist())

@@ -387,7 +387,7 @@ def judge(laws: Sequence[Law]) -> list[DataError | None]:
         if len(_starts(own[0], level, clusters)) >= 2:
             by = [members(one.cells, *first[i]) for i, one in zip(at, own, strict=True)]
             found = clustered_each([one.fit for one in own], by)
-            ways = clustered_each([one.path_fit for one in own], by)
+            ways = clustered_each([one.path_fit for one in own], by, [_design_of(one.cells) for one in own])
             known = [True] * len(at) if level == "block" else _known(found, own[0].order)
             for i, one, mine, way, keep in zip(at, own, found, ways, known, strict=True):
                 if keep:
@@ -399,6 +399,11 @@ def judge(laws: Sequence[Law]) -> list[DataError | None]:
             except DataError as error:
                 refused[i] = error
     return refused
+
+
+def _design_of(cells: Cells) -> Hashable:
+    """Return what cells share whose designs are the same; those of several runs are whitened by their readings."""
+    return id(cells.once) if cells.runs < 2 else (id(cells.once), cells.sensor)
 
 
 def _starts(law: Law, level: Level, clusters: Indices) -> Indices:
