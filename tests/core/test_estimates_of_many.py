@@ -74,4 +74,5 @@ def test_joined_degrees_of_freedom_have_the_t_of_the_interval(dof: float) -> Non
     found = float(joined_dof([np.array([share]), np.array([1.0 - share])], [dof, np.inf])[0])
     z, t = float(special.ndtri(0.975)), float(special.stdtrit(dof, 0.975))
     square = z**2 + share ** max(1.0, 2.0 - 1.5 / dof) * (t**2 - z**2)
-    assert special.stdtridf(0.975, np.sqrt(square)) == pytest.approx(found, rel=max(SERIES, 1e-13 * dof))
+    reached = float(special.stdtrit(found, 0.975)) ** 2 - z**2
+    assert reached == pytest.approx(square - z**2, rel=max(SERIES, 1e-13 * dof))

@@ -139,7 +139,7 @@ def fit(
     white = design if root is None else design * root[:, None]
     decomposed = decompose(white, labels) if decomposed is None else decomposed
     basis, transform = decomposed.basis, decomposed.transform
-    coefficients = decomposed.coefficients(readings if root is None else readings * root)
+    coefficients = decomposed.coefficients(readings if root is None else readings * root, always=True)
     residuals = readings - design @ coefficients
     dof = readings.size - len(labels)
     mean_square = float(np.sum((residuals if root is None else residuals * root) ** 2)) / dof if dof else None
@@ -209,7 +209,7 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
     white = linalg.solve_triangular(root, np.column_stack([design, readings]), lower=True)
     decomposed = decompose(white[:, :-1], labels)
     basis, transform = decomposed.basis, decomposed.transform
-    coefficients = decomposed.coefficients(white[:, -1])
+    coefficients = decomposed.coefficients(white[:, -1], always=True)
     free = readings.size - len(labels)
     chi_square = float(np.sum((white[:, -1] - white[:, :-1] @ coefficients) ** 2))
     pull = linalg.solve_triangular(root, basis, lower=True, trans="T")  # rows of V^-1/2' Q
@@ -270,14 +270,14 @@ class Decomposed:
         length = np.concatenate([self.length, np.sqrt(np.sum(column**2, axis=-1))[..., None]], axis=-1)
         return Decomposed(design, basis, transform, length)
 
-    def coefficients(self, readings: Array) -> Array:
+    def coefficients(self, readings: Array, always: bool = False) -> Array:
         """Return the coefficients of readings, shape (..., n), each set by itself: (..., p).
 
-        After one refinement where the columns look alike by more than rounding is good for.
+        After one refinement: always, or where the columns look alike, so that rounding would show.
         """
         back = self.basis.swapaxes(-1, -2)
         found = times(self.transform, times(back, readings))
-        alike = self._alike
+        alike = np.ones(self._alike.shape, dtype=bool) if always else self._alike
         if not alike.any():
             return found
         if alike.ndim and not alike.all():

@@ -201,7 +201,7 @@ class _Figures:
         least = np.where(judged, FEWEST_SCATTERS * self.scale, np.inf)[:, self.turned.set_of_run[numbers]]
         used = np.array([one.used for one in units])
         self.beyond = used & (np.abs(self.odd) > least.swapaxes(1, 2))  # (units, sensors, n)
-        self.quiet = self.nominal.all(axis=1) & ~self.beyond.any(axis=(1, 2))
+        self.quiet: NDArray[np.bool_] = np.asarray(self.nominal.all(axis=1) & ~self.beyond.any(axis=(1, 2)))
         if self.quiet.any():
             self.quiet &= ~(self._differs() | self._may_saturate())
 
