@@ -19,7 +19,7 @@ from ..core.errors import PlanError
 from ..core.estimate import Array, Component, Estimate
 from ..core.key import Key, Origin
 from ..core.remarks import Remark
-from ..core.results import Row
+from ..core.results import Row, changed
 from ..core.units import factor
 from ..sensors.model.sensitivity import ChannelReference
 from ..sensors.model.sensor_model import Provenance
@@ -148,7 +148,7 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
         _check_once(one, other)
     axes = tuple(dict.fromkeys(axis for one in parts for axis in one.axes))
     keys = tuple(key for key in dict.fromkeys(key for one in parts for key in one.parameters))
-    scaled = next((one for one in parts if one.output_unit is not None or np.any(one.scale_factor != 1.0)), first)
+    scaled = next((one for one in parts if one.output_unit is not None or _is_scaled(one)), first)
     known = [one for one in parts if one.estimate is not None and one.parameters]
     origins: dict[tuple[int, ...], Provenance] = {}  # of terms that come from the same
     provenance = {}
@@ -156,7 +156,7 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
         found = [one.provenance[key] for one in parts if key in one.provenance]
         same = tuple(id(one) for one in found)
         provenance[key] = origins[same] if same in origins else origins.setdefault(same, _origins(found))
-    return replace(
+    return changed(
         scaled,
         estimate=_joint([one for one in known if one.estimate is not None], keys) if known else None,
         parameters=keys,
@@ -173,6 +173,11 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
         noise=_joint_noise([one.noise for one in parts if one.noise is not None]),
         tests=tuple(dict.fromkeys(test for one in parts for test in one.tests)),
     )
+
+
+def _is_scaled(one: ModelTerms) -> bool:
+    given = one.scale_factor
+    return bool((given != 1.0).any()) if isinstance(given, np.ndarray) else given != 1.0
 
 
 def joined_terms_many(given: Sequence[Sequence[ModelTerms]]) -> list[ModelTerms | PlanError]:
@@ -207,7 +212,7 @@ def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
     at, n = {key: i for i, key in enumerate(keys)}, len(keys)
     values, units = np.zeros(n), [""] * n
     whole: list[Component] = []
-    shared: dict[Origin, tuple[Component, dict[str, Array], Array]] = {}
+    shared: dict[Origin, list[tuple[Component, Sequence[str]]]] = {}
     for part in parts:
         own = part.estimate
         assert own is not None  # noqa: S101 - the caller has looked
@@ -220,29 +225,23 @@ def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
             value, unit = own.values[k], own.units[k]
             values[i] += value if not units[i] else value * factor(unit, units[i], difference=True)
             units[i] = units[i] or unit
-        labels = [_labels(one) for one in own.components]
-        dof = np.full((len(labels), n), np.inf)
-        every = [one.dof[taken] if isinstance(one.dof, np.ndarray) else one.dof for one in own.components]
-        for row, given in zip(dof, every, strict=True):
-            row[place] = given
-        changed = _spread([one.changes for one in own.components], taken, place, n)
-        alone = [k for k, one in enumerate(labels) if one is None]
-        covariance = np.zeros((len(alone), n, n))
-        if alone:
-            found = np.array([own.components[k].covariance for k in alone])
+        dof = np.full((len(own.components), n), np.inf)
+        for row, one in zip(dof, own.components, strict=True):
+            row[place] = one.dof[taken] if isinstance(one.dof, np.ndarray) else one.dof
+        spread = _spread([one.changes for one in own.components], taken, place, n)
+        covariance = np.zeros((len(own.components), n, n))
+        if own.components:
+            found = np.array([one.covariance for one in own.components])
             covariance[:, place[:, None], place] = found[:, taken[:, None], taken]
-        for k, square in zip(alone, covariance, strict=True):
-            one = own.components[k]
-            origin = one.origin if one.origin.test else one.origin._replace(test=", ".join(part.tests))
-            whole.append(one.changed(given=origin, covariance=square, dof=dof[k], changes=changed[k]))
-        for one, names, rows, each in zip(own.components, labels, changed, dof, strict=True):
-            if names is None or rows is None:
+        for one, square, free, changes in zip(own.components, covariance, dof, spread, strict=True):
+            names, origin = _labels(one), one.origin
+            moved = one.changed(covariance=square, dof=free, changes=changes)
+            if names is not None:
+                shared.setdefault(origin, []).append((moved, names))
                 continue
-            _, sums, least = shared.setdefault(one.origin, (one, {}, np.full(n, np.inf)))
-            for label, row in zip(names, rows, strict=True):
-                sums[label] = sums[label] + row if label in sums else row
-            np.minimum(least, each, out=least)
-    whole += [_of_changes(one, origin, rows, dof) for origin, (one, rows, dof) in shared.items()]
+            own_origin = origin if origin.test else origin._replace(test=", ".join(part.tests))
+            whole.append(moved.changed(given=own_origin))
+    whole += [_together(origin, each) for origin, each in shared.items()]
     return Estimate.of_own(tuple(keys), values, tuple(units), tuple(whole))
 
 
@@ -273,12 +272,24 @@ def _labels(one: Component) -> Sequence[str] | None:
     return None
 
 
-def _of_changes(one: Component, origin: Origin, rows: Mapping[str, Array], dof: Array) -> Component:
-    changes = np.array(list(rows.values())).reshape(len(rows), len(dof))
+def _together(origin: Origin, each: Sequence[tuple[Component, Sequence[str]]]) -> Component:
+    """Return sources of one origin, each with what tells its unknowns apart, as one."""
+    first, names = each[0]
+    if len(each) == 1:
+        return first.changed(given=origin, unknowns=tuple(names) if first.unknowns else ())
+    sums: dict[str, Array] = {}
+    for one, labels in each:
+        for label, row in zip(labels, () if one.changes is None else one.changes, strict=True):
+            sums[label] = sums[label] + row if label in sums else row
+    changes = np.array([*sums.values()])
     covariance = changes.T @ changes
-    unknowns = tuple(rows) if one.unknowns else ()
-    covariance = 0.5 * (covariance + covariance.T)
-    return one.changed(given=origin, covariance=covariance, dof=dof, changes=changes, unknowns=unknowns)
+    return first.changed(
+        given=origin,
+        covariance=0.5 * (covariance + covariance.T),
+        dof=np.min(np.array([np.asarray(one.dof) for one, _ in each]), axis=0),
+        changes=changes,
+        unknowns=tuple(sums) if first.unknowns else (),
+    )
 
 
 def _origins(found: Sequence[Provenance]) -> Provenance:

@@ -109,6 +109,18 @@ def test_many_units_are_the_same_as_each_alone_whatever_their_faults() -> None:
     assert sum(isinstance(one, InertialcalError) for one in found) == 2  # runs half named
 
 
+def test_what_disagrees_in_many_units_is_what_disagrees_in_each_alone() -> None:
+    tests = [(PLAN, unit(seed, fault)) for seed in (1, 2, 3) for fault in FAULTS]
+    tests += [(PLAN, unit(seed)) for seed in range(10, 30)]
+    procedure = procedure_of("rate_table")
+    found = procedure.agreement_many(tests)
+    assert [list(one) for one in found] == [list(procedure.agreement(*test)) for test in tests]
+    assert {remark.code for one in found for remark in one} >= {
+        "copy_of_applied", "unit_disagrees", "sign_disagrees", "axes_disagree", "reading_disagrees",
+    }  # fmt: skip
+    assert not any(found[-20:])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 11))
 def test_the_order_and_the_number_of_units_change_nothing(seed: int) -> None:

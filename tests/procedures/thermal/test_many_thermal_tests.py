@@ -7,6 +7,8 @@ import pytest
 from thermal_sweeps import path, plan, way
 
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.key import Method
+from inertialcal.procedures import procedure_of, protocol
 from inertialcal.procedures.thermal.recordings import Readings, Sweep
 from inertialcal.procedures.thermal.reduction import Result, reduce, reduce_many
 
@@ -58,3 +60,36 @@ def test_units_at_once_have_the_figures_of_each_alone() -> None:
         assert found.estimate.covariance.tobytes() == alone.estimate.covariance.tobytes()
     orders = {one.law.order for found in together if isinstance(found, Result) for one in found.sensors.values()}
     assert len(orders) > 2  # laws of several orders in one block
+
+
+def test_terms_and_rows_of_units_at_once_are_those_of_each_alone() -> None:
+    asked, thermal = plan(at=(0.0, 40.0)), procedure_of("thermal")
+    tests = [(asked, unit(seed, kind)) for seed, kind in enumerate(("bent", "straight", "one way", "runs", "gap"))]
+    results = [one for one in reduce_many(tests) if isinstance(one, Result)]
+    assert len(results) == len(tests)
+    given = [(one, [protocol.Tested("warm", "", "fit", asked, one.readings, one)]) for one in results]
+    for found, one in zip(thermal.terms_many(given), given, strict=True):
+        alone = thermal.terms(*one)
+        assert (found is None) == (alone is None)
+        if found is not None and alone is not None:
+            assert found.estimate is not None
+            assert alone.estimate is not None
+            assert found.estimate.keys == alone.estimate.keys
+            assert found.estimate.covariance.tobytes() == alone.estimate.covariance.tobytes()
+            assert found.estimate.changes.tobytes() == alone.estimate.changes.tobytes()
+    rows = [[row.to_dict() for row in own] for own in thermal.rows_many(results)]
+    assert rows == [[row.to_dict() for row in reduce(*one).rows()] for one in tests]
+
+
+def test_the_published_cubic_of_many_samples_is_that_of_numpy() -> None:
+    result = reduce(plan(), unit(3, "runs"))
+    rows = {row.key.power: row for row in result.rows() if row.method is Method.TEXTBOOK and row.key.axis == "x"}
+    sensor = result.sensors["x"]
+    used = ~(sensor.series.time < sensor.start_up.cut)
+    assert np.count_nonzero(used) > 1000  # by their moments
+    x, y = sensor.series.temperature[used] - result.plan.reference_temperature, sensor.series.reading[used]
+    found, covariance = np.polyfit(x, y, 3, cov=True)
+    for power in range(1, 4):
+        value, u = rows[power].value, rows[power].u
+        assert value == pytest.approx(found[3 - power], rel=1e-8)
+        assert u == pytest.approx(np.sqrt(covariance[3 - power, 3 - power]), rel=1e-8)

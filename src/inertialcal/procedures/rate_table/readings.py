@@ -97,7 +97,7 @@ class Readings:
     @cached_property
     def runs(self) -> int:
         """Number of distinct runs; 0 where none is given."""
-        return 0 if self.run is None or np.all(self.run == "") else len(np.unique(self.run))
+        return self.turned.runs
 
 
 BINS = 600  # a figure has hardly more pixels across

@@ -13,7 +13,7 @@ from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval, t_intervals_each
 from ...statistics.least_squares import times
-from .fit.linearity import linearity_row
+from .fit.linearity import Deviations, deviations_each, linearity_row
 from .fit.quantities import CURVATURES, UNITS, is_silent
 from .fit.regression import Level, Line
 from .plan import INFLUENCES, Plan
@@ -42,15 +42,19 @@ def rows_many(results: Sequence[Result]) -> list[list[Row]]:
     known = [line for own in fits for line in own.values() if line is not None]
     intervals = iter(t_intervals_each([(one.values, one.u, np.full(2, one.dof)) for one in known]))
     published = [{sensor: [] if line is None else next(intervals) for sensor, line in own.items()} for own in fits]
+    curved = [{sensor: (line, one.full[sensor]) for sensor, line in one.straight.items()
+               if sensor in line.axes and not is_silent(line)} for one in results]  # fmt: skip
+    away = iter(deviations_each([pair for own in curved for pair in own.values()]))
     return [
-        _rows(one, next(figures), next(figures), lines, ends)
-        for one, lines, ends in zip(results, fits, published, strict=True)
+        _rows(one, next(figures), next(figures), lines, ends, {sensor: next(away) for sensor in own})
+        for one, lines, ends, own in zip(results, fits, published, curved, strict=True)
     ]
 
 
 def _rows(
     result: Result, figures: Mapping[Key, Row], every: Mapping[Key, Row],
     published: Mapping[str, _Straight | None], intervals: Mapping[str, Sequence[Interval]],
+    away: Mapping[str, Deviations | None],
 ) -> list[Row]:  # fmt: skip
     found: list[Row] = []
     for sensor in list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs])):
@@ -60,8 +64,7 @@ def _rows(
             if is_silent(straight):
                 found.append(not_estimated(Key("linearity_error", sensor), "%", SILENT))
             else:
-                own = straight if sensor in straight.axes else None
-                found.append(linearity_row(own, sensor, result.full[sensor]))
+                found.append(linearity_row(sensor, away.get(sensor)))
             found += _scatter_rows(result, sensor)
             if result.all_readings is not None:
                 found += _of_sensor(result, sensor, result.all_readings, every, Method.ALL_READINGS)

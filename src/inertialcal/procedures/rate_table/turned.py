@@ -336,10 +336,10 @@ class Turned:
         return x, np.where(square > 0.0, square, 1.0)
 
     def beside(self, values: Array) -> Array:
-        """Return values, shape (n,), less a line in the rate of its own in each recording."""
+        """Return values, shape (..., n), less a line in the rate of its own in each recording."""
         x, square = self._about_means
-        slope = np.bincount(self.numbers, values * x) / square
-        return np.asarray(about_means(values, self.numbers) - slope[self.numbers] * x)
+        slope = group_sums(values * x, self.numbers) / square
+        return np.asarray(about_means(values, self.numbers) - slope[..., self.numbers] * x)
 
     def straight(self, rows: NDArray[np.bool_]) -> Decomposed:
         """Return a line through the readings at some rates, all alike."""
@@ -426,10 +426,14 @@ def columns_of(
 
 def about_means(values: Array, groups: NDArray[np.intp]) -> Array:
     """Return values, shape (..., n), less the mean of their group, numbered from 0."""
+    return np.asarray(values - (group_sums(values, groups) / np.bincount(groups))[..., groups])
+
+
+def group_sums(values: Array, groups: NDArray[np.intp]) -> Array:
+    """Return the sums of values, shape (..., n), of each group, numbered from 0: shape (..., g)."""
     counts = np.bincount(groups)
     order = np.argsort(groups, kind="stable")
-    means = np.add.reduceat(values[..., order], np.cumsum(counts) - counts, axis=-1) / counts
-    return np.asarray(values - means[..., groups])
+    return np.asarray(np.add.reduceat(values[..., order], np.cumsum(counts) - counts, axis=-1))
 
 
 def nearest(sizes: Array, count: int) -> NDArray[np.intp]:

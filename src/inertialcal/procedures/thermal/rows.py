@@ -152,7 +152,7 @@ def _why_not(result: Result, one: OfSensor) -> Reason:
 def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
     reason = Reason("range", "end of the temperature range of the polynomial, as read; no uncertainty")
     for name, value in zip(("temperature_lowest", "temperature_highest"), one.law.domain, strict=True):
-        yield Row(Key(name, axis), value, None, "degC", status="not_estimated", reason=reason)
+        yield Row.without(Key(name, axis), value, "degC", reason)
 
 
 def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
@@ -171,9 +171,9 @@ def effect_row(key: Key, unit: str, effect: PathEffect, told: Reason, word: str 
     """Return the row of something that differs between the paths; its own reason, after a word, goes first."""
     if effect.value is None or effect.u is None or effect.dof is None:
         reason = Reason(told.code, f"{word}{effect.reason}")
-        return Row(key, effect.value, None, unit, status="not_estimated", reason=reason)
+        return Row.without(key, effect.value, unit, reason)
     interval = t_interval(effect.value, effect.u, effect.dof)
-    return Row(key, effect.value, effect.u, unit, effect.dof, interval, reason=told)
+    return Row.of_own(key, effect.value, effect.u, unit, effect.dof, interval, told)
 
 
 def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:

@@ -8,6 +8,7 @@ top of the largest deviation is published as an upper limit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +35,10 @@ class Deviation:
     full_scale: float
 
 
-def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, Array, float] | None:
+Deviations = tuple[Array, Array, Array, float]
+
+
+def deviations(straight: Line, full: Line | None = None) -> Deviations | None:
     """Return rates, mean deviations from the line, their u [rad/s] and its degrees of freedom.
 
     None where scatter or rates are too few. The scatter is that of the dwells about ``full``, a line of its own slope
@@ -42,38 +46,65 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     belongs to few of the recordings, what is theirs cannot be told from a deviation: the scatter is then that of
     dwells and runs.
     """
-    turned, fit = straight.readings.turned, straight.fit
-    rates, mean = turned.rates.get(straight.sensor, (np.zeros(0), np.zeros((0, 0))))
-    alike = fit.own and turned.shared_rates[straight.sensor]
-    variance = _scatter(straight, full, alike)
+    return deviations_each([(straight, full)])[0]
+
+
+def deviations_each(lines: Sequence[tuple[Line, Line | None]]) -> list[Deviations | None]:
+    """Return the `deviations` of each of several lines; those of units that were turned alike at once."""
+    found: list[Deviations | None] = [None] * len(lines)
+    kinds: dict[tuple[object, ...], list[int]] = {}
+    for i, (straight, full) in enumerate(lines):
+        turned, fit = straight.readings.turned, straight.fit
+        if fit.own and turned.shared_rates[straight.sensor]:
+            more = None if full is None else (id(full.readings.turned), full.asymmetry, full.curvature)
+            kind = (id(turned), straight.sensor, straight.asymmetry, straight.curvature, id(fit.basis), more)
+            kinds.setdefault(kind, []).append(i)
+        else:
+            found[i] = _among_few(straight)
+    for at in kinds.values():
+        for i, one in zip(at, _alike([lines[i] for i in at]), strict=True):
+            found[i] = one
+    return found
+
+
+def _among_few(straight: Line) -> Deviations | None:
+    """Return the deviations where a rate belongs to few of the recordings."""
+    fit, variance = straight.fit, _with_recordings(straight)
+    rates, mean = straight.readings.turned.rates.get(straight.sensor, (np.zeros(0), np.zeros((0, 0))))
     if variance is None or len(rates) < 3 or variance[2] < 1.0:
         return None
     dwell, between, dof = variance
-    means = times(mean, fit.local if alike else fit.residuals)
-    if alike:
-        square = dwell * turned.beside_basis(straight.sensor, fit.basis)
-    else:
-        beside = mean - (mean @ fit.design) @ fit.solve
-        in_groups = np.array([np.sum(np.bincount(fit.groups, one) ** 2) for one in beside])
-        square = dwell * np.sum(beside**2, axis=1) + between * in_groups
-    return rates, means, np.sqrt(square + np.finfo(float).tiny), dof
+    beside = mean - (mean @ fit.design) @ fit.solve
+    in_groups = np.array([np.sum(np.bincount(fit.groups, one) ** 2) for one in beside])
+    square = dwell * np.sum(beside**2, axis=1) + between * in_groups
+    return rates, times(mean, fit.residuals), np.sqrt(square + np.finfo(float).tiny), dof
 
 
-def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, float, float] | None:
-    """Return the variances of a dwell and between recordings [(rad/s)^2], and the degrees of freedom of their sum."""
-    readings = straight.readings
-    if not alike:
-        return _with_recordings(straight)
-    lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
-    for one in lines:
-        turned = one.readings.turned
-        basis, dof = turned.line(one.sensor, one.asymmetry, one.curvature).beside_lines
-        if dof >= FEW:
-            left = turned.beside(one.fit.local)
-            residuals = left - basis @ (basis.T @ left)
-            return float(residuals @ residuals) / dof, 0.0, float(dof)
-    fit = straight.fit
-    return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, 0.0, fit.dof)
+def _alike(lines: Sequence[tuple[Line, Line | None]]) -> list[Deviations | None]:
+    """Return the deviations of lines of one kind of units that were turned alike."""
+    first, whole = lines[0]
+    turned, fit, count = first.readings.turned, first.fit, len(lines)
+    rates, mean = turned.rates.get(first.sensor, (np.zeros(0), np.zeros((0, 0))))
+    local = np.array([one.fit.local for one, _ in lines])
+    dwell, dof = [None if one.fit.mean_square is None else float(np.sum(one.fit.local**2)) / one.fit.dof
+                  for one, _ in lines], fit.dof  # fmt: skip
+    tried = [(first, local)]
+    if whole is not None and len(whole.readings) == len(first.readings):
+        tried.insert(0, (whole, np.array([one.fit.local for _, one in lines if one is not None])))
+    for one, own in tried:
+        basis, free = one.readings.turned.line(one.sensor, one.asymmetry, one.curvature).beside_lines
+        if free >= FEW:
+            left = one.readings.turned.beside(own)
+            residuals = left - times(basis, times(basis.T, left))
+            dwell, dof = (np.sum(residuals**2, axis=-1) / free).tolist(), float(free)
+            break
+    if len(rates) < 3 or dof < 1.0:
+        return [None] * count
+    means, beside = times(mean, local), turned.beside_basis(first.sensor, fit.basis)
+    return [
+        None if square is None else (rates, own, np.sqrt(square * beside + np.finfo(float).tiny), dof)
+        for square, own in zip(dwell, means, strict=True)
+    ]
 
 
 def _with_recordings(straight: Line) -> tuple[float, float, float] | None:
@@ -94,7 +125,10 @@ def _with_recordings(straight: Line) -> tuple[float, float, float] | None:
 
 def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | None:
     """Find the largest deviation of a rate's mean from the line; None where scatter or rates are too few."""
-    found = deviations(straight, full)
+    return _largest(deviations(straight, full))
+
+
+def _largest(found: Deviations | None) -> Deviation | None:
     if found is None:
         return None
     rates, means, sigmas, dof = found
@@ -103,9 +137,9 @@ def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | N
     return Deviation(float(rates[worst]), abs(float(means[worst])), float(sigmas[worst]), dof, len(rates), full_scale)
 
 
-def linearity_row(straight: Line | None, sensor: str, full: Line | None = None) -> Row:
-    """Return the linearity error in percent of the largest rate used."""
-    found = None if straight is None else largest_deviation(straight, full)
+def linearity_row(sensor: str, known: Deviations | None) -> Row:
+    """Return the linearity error in percent of the largest rate used, by the `deviations` of the sensor's line."""
+    found = _largest(known)
     key = Key("linearity_error", sensor)
     if found is None:
         reason = "needs three rates or more about the sensor's own axis, and repeated dwells"
