@@ -228,8 +228,8 @@ MUTANTS = (
     ),
     Mutant(
         "least_squares.py",
-        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None])",
-        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None, :])",
+        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None], length)",
+        "rows.swapaxes(-1, -2) / s[..., None, :] / scale[..., None, :], length)",
         "test_least_squares",
     ),
     Mutant(
@@ -719,8 +719,8 @@ MUTANTS = (
     ),
     Mutant(
         "ramps.py",
-        "elif way != COOLING and level[highest] - value >= reversal:",
-        "elif way != COOLING and level[highest] - value >= 2.0 * reversal:",
+        "COOLING: np.maximum.accumulate(rest) - rest}",
+        "COOLING: 0.5 * (np.maximum.accumulate(rest) - rest)}",
         "test_ramps",
     ),
     Mutant(
@@ -1208,8 +1208,8 @@ MUTANTS = (
     ),
     Mutant(
         "cells.py",
-        "weight=1.0 / np.bincount(shared)[shared]",
-        "weight=1.0 * np.bincount(shared)[shared]",
+        "weight=1.0 / np.bincount(key)[key]",
+        "weight=1.0 * np.bincount(key)[key]",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(
