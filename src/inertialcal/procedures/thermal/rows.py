@@ -329,10 +329,11 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
         return None
     if not np.abs(inverse).max() * np.abs(square).max() < APART:
         return None
-    found = (away @ rows.T) @ inverse
-    left = away - found @ rows
-    found += (left @ rows.T) @ inverse  # what rounding left
-    squares = np.einsum("kn,kn->k", left, left)
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = (away @ rows.T) @ inverse
+        left = away - found @ rows
+        found += (left @ rows.T) @ inverse  # what rounding left
+        squares = np.einsum("kn,kn->k", left, left)
     found[:, 0] += middle[:, 0]
     columns = (found, squares[:, None, None] * inverse, squares.tolist(), total.tolist())
     return [_Cubic(*one, len(T), domain) for one in zip(*columns, strict=True)]
