@@ -114,13 +114,14 @@ def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, es
     figures: dict[Key, Row] = {}
     if estimate is not None:
         ends = t_intervals(estimate.values, estimate.u, estimate.dof)
+        make = Row.of_own if np.isfinite(estimate.values).all() and np.isfinite(estimate.u).all() else Row
         numbers = zip(estimate.values.tolist(), estimate.u.tolist(), estimate.dof.tolist(), strict=True)
         for name, one, (value, u, dof), between in zip(estimate.keys, estimate.units, numbers, ends, strict=True):
             finite = dof if np.isfinite(dof) else None
-            figures[name] = Row(name._replace(sensor=kind), value, u, one, finite, between, reason=limits)
+            figures[name] = make(name._replace(sensor=kind), value, u, one, finite, between, reason=limits)
     found = [
         figures[name] if name in figures and not (name.quantity in RELATIVE and name in why)
-        else not_estimated(key, of, why.get(name, NO_LEVEL))
+        else _absent_row(key, of, why.get(name, NO_LEVEL))
         for name, key, of in wanted
     ]  # fmt: skip
     return found + _next_rows(result, [row for row in found if row.key.quantity == "bias"])
@@ -139,6 +140,11 @@ def _wanted(
     return tuple((name, name._replace(sensor=kind), own) for name, own in wanted)
 
 
+@lru_cache(maxsize=256)  # the same of all units whose figures are absent for the same reason
+def _absent_row(key: Key, unit: str, reason: Reason) -> Row:
+    return not_estimated(key, unit, reason)
+
+
 def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
     """Return the bias of the record that comes next, by that of this one."""
     found = []
@@ -147,7 +153,7 @@ def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
         onward = result.next_record.get(row.key.sensor, NO_LEVEL)
         if row.value is None or isinstance(onward, Reason):
             why = row.reason if row.value is None else onward
-            found.append(not_estimated(key, row.unit, why if isinstance(why, Reason) else NO_LEVEL))
+            found.append(_absent_row(key, row.unit, why if isinstance(why, Reason) else NO_LEVEL))
             continue
         u, dof = float(onward.u[k]), float(onward.dof[k])
         found.append(row.changed(key=key, u=u, dof=dof, interval=t_interval(row.value, u, dof)))
@@ -171,9 +177,9 @@ def missing(result: Result) -> list[str]:
 
 def _scatter(key: Key, unit: str, std: float | None, dof: float) -> Row:
     if std is None:
-        return not_estimated(key, unit, NO_LEVEL)
+        return _absent_row(key, unit, NO_LEVEL)
     if dof < FEWEST:
-        return not_estimated(key, unit, NOT_SEEN)
+        return _absent_row(key, unit, NOT_SEEN)
     u = std / float(np.sqrt(2.0 * dof))
     return Row(key, std, u, unit, dof, chi_square_interval(std, dof))
 
@@ -181,7 +187,7 @@ def _scatter(key: Key, unit: str, std: float | None, dof: float) -> Row:
 def _between(key: Key, unit: str, fit: Fitted | TwoLevels | None) -> Row:
     """Return the row of a scatter between readings; what is hardly seen may be zero, and its interval says so."""
     if fit is None:
-        return not_estimated(key, unit, NO_LEVEL)
+        return _absent_row(key, unit, NO_LEVEL)
     row = _scatter(key, unit, fit.between, fit.between_dof)
     return row if row.value is None else row.changed(interval=Interval(*fit.between_interval))
 
