@@ -89,7 +89,7 @@ def passed(
     chain : Chain, optional
         Whose ends of the converter are left out, and remarked on, already.
     """
-    place = raw.changed(source=replace(raw.source, path=entry.file)).place
+    place = place_in(raw, entry.file)
     left_out: dict[str, Flags] = {}
     remarks: list[Remark] = []
     exclusions: list[Exclusion] = []
@@ -126,6 +126,11 @@ def passed(
     return Passed(without(body, left_out), tuple(remarks), tuple(exclusions))
 
 
+def place_in(raw: Recording, file: str) -> Callable[[int], str]:
+    """Return what gives ``file:row`` of a sample, the file as the campaign names it; most records need no place."""
+    return lambda index: raw.changed(source=replace(raw.source, path=file)).place(index)
+
+
 SLOW = re.compile(r"(?:temperature|pressure|supply|reference)(?:_|$)")  # names of channels that readings are made with
 
 
@@ -143,7 +148,7 @@ def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Record
     slow = [(role, one.column) for role, one in channels.items() if SLOW.match(role)]
     if not slow:
         return Passed(body)
-    place = raw.changed(source=replace(raw.source, path=entry.file)).place
+    place = place_in(raw, entry.file)
     readings = [raw.channel(one.column).data for axis, one in channels.items() if axis in AXES]
     left_out: dict[str, Flags] = {}
     remarks: dict[str, Remark] = {}

@@ -27,7 +27,7 @@ from ...signals.sense.changes import LATE, MOST, averaged, changes
 from ...signals.sense.limits import ARCHIVE, impossible
 from ...signals.time.samples import Flags, Indices
 from ..file.recordings import ChannelEntry, RecordingEntry
-from .gate import Passed, without
+from .gate import Passed, place_in, without
 
 RULE = "impossible"
 APPLIED = "applied"
@@ -74,7 +74,7 @@ def sensible(
     DataError
         ``impossible_temperature``, ...: if a channel holds nothing else.
     """
-    place = raw.changed(source=replace(raw.source, path=entry.file)).place
+    place = place_in(raw, entry.file)
     given = entry.channels or {}
     left_out: dict[str, Flags] = {}
     remarks: list[Remark] = []
