@@ -56,7 +56,8 @@ def units() -> list[tuple[Plan, Readings]]:
 def said(found: Result | InertialcalError) -> object:
     if isinstance(found, InertialcalError):
         return type(found), found.problems
-    return [row.to_dict() for row in found.rows()], found.remarks, [one.lines for one in found.axes]
+    intervals = [found.interval_at(row, 0.9) for row in found.rows()]
+    return [row.to_dict() for row in found.rows()], found.remarks, [one.lines for one in found.axes], intervals
 
 
 def test_units_are_reduced_side_by_side_as_each_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:

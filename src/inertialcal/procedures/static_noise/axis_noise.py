@@ -17,7 +17,7 @@ from ...core.errors import DataError, InertialcalError, Problem
 from ...core.key import Kind, Reason
 from ...core.remarks import Remark
 from ...core.show.rounding import freedom, number
-from ...sensors.noise.fitting.estimator import Fit, fit_many
+from ...sensors.noise.fitting.estimator import Fit, fit_many, with_intervals
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
 from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name, sample_unit
@@ -49,6 +49,8 @@ MOST_LINES = 6  # taken into a fit
 LISTED_LINES = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 SHORT = "too_short"  # code of a record whose deviations are shown without terms
+FEW = 12  # axes whose intervals of another probability are found when they are asked for
+JUDGED = 0.9  # probability of the interval that a verdict of 95 % by one limit takes
 LOOKED_AT = 64  # samples that mostly say whether a record scatters
 ALIKE, TINY = 1e-6, 1e-100  # relative and absolute difference of samples that may be rounding
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
@@ -163,6 +165,11 @@ def noises_of(asked: Sequence[tuple[Plan, Readings, str]]) -> list[AxisNoise]:
     missing = [i for i in range(len(asked)) if i not in found and each[i][0]]
     fits = fit_records([(asked[i][0], each[i][0], asked[i][2], waves[i]) for i in missing])
     found |= dict(zip(missing, fits, strict=True))
+    known = [i for i, one in found.items() if one.fit is not None]
+    if len(known) > FEW:  # of a lot: judged by limits, most of them
+        fitted_ones = with_intervals([fit for fit in (found[i].fit for i in known) if fit is not None], JUDGED)
+        for i, fit in zip(known, fitted_ones, strict=True):
+            found[i] = replace(found[i], fit=fit)
     return [_noise(*one, *own[1:], found.get(i)) for i, (one, own) in enumerate(zip(asked, each, strict=True))]
 
 

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
-from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, get_args
 
@@ -168,10 +167,15 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     one = next((axis for axis in result.axes if axis.axis == row.axis), None)
     if one is None or one.fit is None:
         return None
-    terms = chain(one.fit.estimated_at(p), (term for term in one.fit.found if term.status != "estimated"))
-    same = (other for other in rows_of(terms, one.fit.fit_warnings, row.axis) if other.quantity == row.quantity)
-    found = next(same, None)
-    return None if found is None else widened(found, result.plan.standards).interval
+    estimated = (own for term in one.fit.estimated_at(p) for own in term.parameters if own.name == row.quantity)
+    own = next(estimated, None)
+    if own is not None:
+        shown = Row(Key(own.name, row.axis), own.value, own.u, own.unit, None, own.interval)
+        return widened(shown, result.plan.standards).interval
+    missing = (term for term in one.fit.found if term.status != "estimated")
+    same = (other for other in rows_of(missing, one.fit.fit_warnings, row.axis) if other.quantity == row.quantity)
+    other = next(same, None)
+    return None if other is None else widened(other, result.plan.standards).interval
 
 
 def changes_by(quantity: str, standards: Standards) -> dict[str, float]:

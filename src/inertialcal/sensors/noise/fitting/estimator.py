@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import NamedTuple
 
@@ -501,10 +501,29 @@ class EstimatedAt:
     """The same with intervals of another probability; plain data, so that a fit can be kept."""
 
     solution: Solution
+    known: Mapping[float, tuple[TermEstimate, ...]] = field(default_factory=dict[float, tuple[TermEstimate, ...]])
 
     def __call__(self, p: float) -> tuple[TermEstimate, ...]:
         """Return the terms that have a size, with intervals of this probability."""
-        return estimated(replace(self.solution, p=p))
+        return self.known[p] if p in self.known else estimated(replace(self.solution, p=p))
+
+
+def with_intervals(fits: Sequence[NoiseFit], p: float) -> list[NoiseFit]:
+    """Return fits that know the terms with intervals of another probability, found together."""
+    found = list(fits)
+    ways = {i: own for i, own in enumerate(one.estimated_at for one in fits) if isinstance(own, EstimatedAt)}
+    places, solutions = [*ways], [replace(one.solution, p=p) for one in ways.values()]
+    for alike in stacks([one.problem for one in solutions]):
+        patterns: dict[tuple[bytes, tuple[str, ...]], list[int]] = {}
+        for j in alike:
+            patterns.setdefault((_pattern(solutions[j].fitted), solutions[j].candidates), []).append(j)
+        for at in patterns.values():
+            own = [solutions[j] for j in at]
+            for j, terms in zip(at, _estimated(Stack(tuple([one.problem for one in own])), own), strict=True):
+                way = ways[places[j]]
+                known = EstimatedAt(way.solution, {**way.known, p: terms})
+                found[places[j]] = replace(fits[places[j]], estimated_at=known)
+    return found
 
 
 def _intervals(
