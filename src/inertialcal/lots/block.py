@@ -20,6 +20,7 @@ from typing import Any, Literal
 
 from ..campaign.engine.engine import Outlines, open_test, order_of, placed, prepare, reduce_alike, screened_samples
 from ..campaign.engine.reductions import Reduced, waiting_for
+from ..campaign.engine.together import Work, together
 from ..campaign.engine.whole import Whole, tests_of, whole_of
 from ..campaign.file.load import Campaign, campaign_of, standards_of, with_clock
 from ..campaign.inputs.gate import Gate
@@ -262,9 +263,10 @@ def reduce_block(job: Job, units: Sequence[Given]) -> Block:
             except Exception as error:
                 ended[one.number] = _quarantined(one, error)
         _reduce(working, ended)
-        for unit in working:
-            if unit.given.number not in ended:
-                ended[unit.given.number] = _finished(job, unit)
+        left = [unit for unit in working if unit.given.number not in ended]
+        for unit, found in zip(left, together([_finished(job, unit) for unit in left]), strict=True):
+            number = unit.given.number
+            ended[number] = _quarantined(unit.given, found, unit) if isinstance(found, Exception) else found
     made = [ended[one.number] for one in units]
     return _block([row for row, _ in made], [one for _, one in made])
 
@@ -321,38 +323,36 @@ def _apart(unit: _Unit, number: int, ended: dict[int, tuple[UnitRow, Ended]]) ->
         ended[unit.given.number] = _quarantined(unit.given, error, unit)
 
 
-def _finished(job: Job, unit: _Unit) -> tuple[UnitRow, Ended]:
-    """Return the row of a unit whose tests were reduced: models, verdicts, remarks."""
+def _finished(job: Job, unit: _Unit) -> Work[tuple[UnitRow, Ended]]:
+    """Work out the row of a unit whose tests were reduced: models, verdicts, remarks."""
     given = unit.given
-    try:
-        whole = whole_of(unit.campaign, *tests_of(unit.campaign, unit.found, unit.problems))
-        if job.place.stamps(unit.files) != unit.stamps:
-            now = job.place.stamps(unit.files)
-            raise DataError([changed_input(one) for one in unit.files if now.get(one) != unit.stamps.get(one)])
-        figures, verdict = whole.figures, whole.verdict
-        models = tuple(sorted(model_files(whole.modelled).items())) if whole.modelled is not None else ()
-        inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))
-        remarks = [(one.test.id, remark) for one in whole.tested for remark in condensed(one.remarks)]
-        if whole.modelled is not None:
-            closed = condensed(remark for one in whole.modelled.every for remark in one.remarks)
-            remarks += [("closed loop", remark) for remark in closed]
-        row = UnitRow(
-            given.number,
-            given.serial,
-            "done",
-            verdict,
-            figures.found,
-            figures.verdicts,
-            remarks,
-            models,
-            inputs,
-            shares=frozenset(
-                name for name, one in unit.campaign.standards.items() if one.redrawn_by not in (*OF_UNIT, *DIES)
-            ),
-        )
-        kept = _for_archive(whole) if job.archived else b""
-    except Exception as error:
-        return _quarantined(given, error, unit)
+    prepared, tested = yield from tests_of(unit.campaign, unit.found, unit.problems)
+    whole = yield from whole_of(unit.campaign, prepared, tested)
+    now = job.place.stamps(unit.files)
+    if now != unit.stamps:
+        raise DataError([changed_input(one) for one in unit.files if now.get(one) != unit.stamps.get(one)])
+    figures, verdict = whole.figures, whole.verdict
+    models = tuple(sorted(model_files(whole.modelled).items())) if whole.modelled is not None else ()
+    inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))
+    remarks = [(one.test.id, remark) for one in whole.tested for remark in condensed(one.remarks)]
+    if whole.modelled is not None:
+        closed = condensed(remark for one in whole.modelled.every for remark in one.remarks)
+        remarks += [("closed loop", remark) for remark in closed]
+    row = UnitRow(
+        given.number,
+        given.serial,
+        "done",
+        verdict,
+        figures.found,
+        figures.verdicts,
+        remarks,
+        models,
+        inputs,
+        shares=frozenset(
+            name for name, one in unit.campaign.standards.items() if one.redrawn_by not in (*OF_UNIT, *DIES)
+        ),
+    )
+    kept = _for_archive(whole) if job.archived else b""
     stamps = json.dumps(unit.stamps, sort_keys=True)
     more = {"results": kept, "models": models, "inputs": tuple(sorted(whole.inputs.items()))} if kept else {}
     return row, Ended(given.number, "done", verdict, "", stamps, at_ns=time.time_ns(), **more)  # type: ignore[arg-type]

@@ -36,6 +36,7 @@ from ..inputs.channels import chain_of
 from ..inputs.duplicates import Content, between, duplicates, pairs
 from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
+from .together import Work, ask
 
 STAYS = 0.1  # standard uncertainties that a figure may move by and count as the same
 NAMED = 3  # figures that a remark names
@@ -599,8 +600,8 @@ def tested_of(prepared: Prepared, result: Result) -> Tested[Any, Any, Any]:
     )
 
 
-def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:
-    """Return the tests of a campaign with their rows, each knowing the one that it is set beside.
+def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> Work[list[ReducedTest]]:
+    """Work out the tests of a campaign with their rows, each knowing the one that it is set beside.
 
     Parameters
     ----------
@@ -617,7 +618,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         tested, other = plain[one.test.id], plain.get(one.test.against or "")
         tested = tested if other is None else replace(tested, against=other)
         with computable(one.test.id):
-            rows = procedure_of(one.test.procedure).rows(tested.result)
+            rows = yield from ask(procedure_of(one.test.procedure).rows_many, tested.result)
         errors = tuple(remark for name in _with_those_before(one.test, tests) for remark in wrong[name])
         named = [row.named(one.test.id) for row in rows]
         found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded, saves=one.saves))

@@ -43,6 +43,7 @@ from .engine import (
 )
 from .reductions import Reduced, reduce_all, waiting_for
 from .status import EXIT, Progress
+from .together import Work, alone
 
 VERDICT_COLUMNS = (
     "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower",
@@ -270,11 +271,11 @@ def reduce_campaign(
     tell = progress or (lambda done, total, what: None)
     prepared, tested = reduce_tests(campaign, store, tell, cache)
     tell(len(tested), len(tested), "model and requirements")
-    return whole_of(campaign, prepared, tested)
+    return alone(whole_of(campaign, prepared, tested))
 
 
-def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedTest]) -> Whole:
-    """Return a campaign whose tests were reduced, with its models and what readings held out say of them.
+def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedTest]) -> Work[Whole]:
+    """Work out a campaign whose tests were reduced, with its models and what readings held out say of them.
 
     Raises
     ------
@@ -293,7 +294,7 @@ def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedT
         }
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     with computable(campaign.file.campaign.id, "campaign"):
-        modelled = build_models(campaign, reduced, residuals, errors)
+        modelled = yield from build_models(campaign, reduced, residuals, errors)
     return Whole(campaign, prepared, tested, modelled, inputs)
 
 
@@ -311,13 +312,13 @@ def reduce_tests(
         With all that was refused, test by test.
     """
     store = store or ReadOnce(campaign.folder, waiting_for(campaign))
-    return tests_of(campaign, *reduce_all(campaign, store, tell, cache))
+    return alone(tests_of(campaign, *reduce_all(campaign, store, tell, cache)))
 
 
 def tests_of(
     campaign: Campaign, found: dict[int, Reduced], problems: dict[int, tuple[Problem, ...]]
-) -> tuple[list[Prepared], list[ReducedTest]]:
-    """Return the tests of a campaign set beside each other, as `reduce_tests`, of what `reduce_all` gives.
+) -> Work[tuple[list[Prepared], list[ReducedTest]]]:
+    """Work out the tests of a campaign set beside each other, as `reduce_tests`, of what `reduce_all` gives.
 
     Raises
     ------
@@ -332,7 +333,7 @@ def tests_of(
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     prepared = list(ready.values())
     results = {one.id: found[number].result for number, one in enumerate(tests)}
-    tested = beside_others(campaign, reduced_tests(prepared, results))
+    tested = beside_others(campaign, (yield from reduced_tests(prepared, results)))
     for number, one in enumerate(tested):
         opened = found[number].opened
         tested[number] = one if opened is None else with_opened(campaign, one, opened)

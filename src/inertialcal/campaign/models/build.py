@@ -22,13 +22,14 @@ from ...core.results import changed
 from ...core.units import kind
 from ...files.models.model_json import dump_models
 from ...procedures import procedure_names, procedure_of
-from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms, kind_of
+from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms_many, kind_of
 from ...procedures.protocol import Procedure, Tested
 from ...sensors.model.assemble import model_from
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import AxisLoop, judged, overall
 from ..engine.engine import computable, placed
+from ..engine.together import Work, ask
 from ..file.conditions import bias_before, chosen_tests, conditions_of, in_condition, on_sensor
 from ..file.cross_checks import model_name
 from ..file.load import Campaign
@@ -71,8 +72,8 @@ class Made:
 
 def build_models(
     campaign: Campaign, reduced: Reduced, residuals: Mapping[str, Residual], errors: Errors
-) -> Modelled | None:
-    """Return the models of all sensors and conditions, with what was judged without one; None where there is neither.
+) -> Work[Modelled | None]:
+    """Work out the models of all sensors and conditions, with what was judged without one; None where there is neither.
 
     There is no model where a test behind it, or held out for it, has a remark that is an error.
 
@@ -91,7 +92,7 @@ def build_models(
             number = min(campaign.file.tests.index(test) for tests in chosen.values() for test in tests)
             try:
                 with computable(campaign.file.tests[number].id):
-                    made = _build(campaign, name, condition, chosen, reduced, errors)
+                    made = yield from _build(campaign, name, condition, chosen, reduced, errors)
             except InertialcalError as error:
                 raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
             if made is not None:
@@ -151,7 +152,7 @@ def _build(
     chosen: Mapping[TermKind, Sequence[Test]],
     reduced: Reduced,
     errors: Errors,
-) -> Made | None:
+) -> Work[Made | None]:
     """Make the model of a sensor in a condition; None where there is none."""
     file, sensor = campaign.file, campaign.file.sensors[name]
     behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
@@ -161,15 +162,17 @@ def _build(
     held = [test for test in own if test.use == "hold_out" and test.procedure in judging]
     if any(errors.get(test.id) for test in (*behind, *held)):
         return None
-    parts = [part for one in procedures for part in _parts(campaign, one, chosen, reduced, sensor.kind)]
-    parts = [part for part in parts if part.terms.parameters or part.terms.noise is not None]
+    every: list[Part] = []
+    for one in procedures:
+        every += yield from _parts(campaign, one, chosen, reduced, sensor.kind)
+    parts = [part for part in every if part.terms.parameters or part.terms.noise is not None]
     if not any(part.terms.parameters for part in parts):
         return None
     matrix = [part for part in parts if any(kind_of(key) == "scale_factor" for key in part.terms.parameters)]
     parts = [*matrix, *(part for part in parts if part not in matrix)]
     for one in procedures:
         _check_alike(procedure_of(one), [test for test in (*behind, *held) if test.procedure == one], reduced)
-    model = _model(campaign, sensor, condition, parts, reduced)
+    model = yield from _model(campaign, sensor, condition, parts, reduced)
     made = JudgedModel(name, condition, model, remarks=tuple(_of_others(file, name, condition, parts)))
     loops: list[AxisLoop] = []
     residuals: list[ResidualLoop] = []
@@ -193,7 +196,7 @@ def _build(
             continue
         if not unseen or not mine:
             continue
-        local = _before_corrections(campaign, sensor, condition, parts, mine, held, reduced)
+        local = yield from _before_corrections(campaign, sensor, condition, parts, mine, held, reduced)
         found = procedure.held_out(mine[0].result, fitted, unseen, local) or NOTHING
         loops += found.loops
         remarks += found.remarks
@@ -205,8 +208,8 @@ def _build(
 
 def _parts(
     campaign: Campaign, name: str, chosen: Mapping[TermKind, Sequence[Test]], reduced: Reduced, kind: str
-) -> list[Part]:
-    """Return what a procedure gives: tests that one or more kinds of terms come from are reduced together."""
+) -> Work[list[Part]]:
+    """Work out what a procedure gives: tests that one or more kinds of terms come from are reduced together."""
     procedure, found = procedure_of(name), []
     together: dict[tuple[str, ...], list[TermKind]] = {}
     for term, tests in chosen.items():
@@ -221,7 +224,9 @@ def _parts(
             done = [reduced[one] for one in group]
             parts = procedure.by_sensor(done[0].result if made is None else procedure.reduce(*made))
             result = parts.get(kind, parts.get(""))
-            terms = None if result is None else procedure.terms(result, done)
+            if result is None:
+                continue
+            terms = yield from ask(procedure.terms_many, (result, done))
             if terms is None:
                 continue
             after = tuple(dict.fromkeys(before for one in group for before in bias_before(campaign.file, by_id[one])))
@@ -252,19 +257,19 @@ def _before_corrections(
     mine: Sequence[Part],
     held: Sequence[Test],
     reduced: Reduced,
-) -> SensorModel:
-    """Return the model for readings of a procedure as it takes them: after the same corrections.
+) -> Work[SensorModel]:
+    """Work out the model for readings of a procedure as it takes them: after the same corrections.
 
     What other tests add at every condition of the readings is in it where nothing was taken off; a bias that comes
     from elsewhere over temperature is not, and the readings then have that of their own test.
     """
     plain = not any(part.terms.after for part in mine)
     if plain and not any(kind_of(key) not in PLAIN or key.power for part in parts for key in part.terms.parameters):
-        return _model(campaign, sensor, condition, parts, reduced)
+        return (yield from _model(campaign, sensor, condition, parts, reduced))
     has_bias = any(kind_of(key) == "bias" for part in mine for key in part.terms.parameters)
     kinds: set[TermKind] = {kind_of(key) for key in mine[0].terms.parameters}
     own = list(mine) if has_bias else [replace(mine[0], terms=mine[0].whole.of_kinds({*kinds, "bias"})), *mine[1:]]
-    return _model(campaign, sensor, condition, own, reduced)
+    return (yield from _model(campaign, sensor, condition, own, reduced))
 
 
 def _of_others(file: CampaignFile, name: str, condition: str, parts: Sequence[Part]) -> Iterator[Remark]:
@@ -279,10 +284,12 @@ def _of_others(file: CampaignFile, name: str, condition: str, parts: Sequence[Pa
                 yield Remark(OF_ANOTHER, "info", what, subject=condition)
 
 
-def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[Part], reduced: Reduced) -> SensorModel:
-    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
+def _model(
+    campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[Part], reduced: Reduced
+) -> Work[SensorModel]:
+    """Work out the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
     assert sensor.kind != "other"  # noqa: S101 - of which no procedure makes a model
-    terms = joined_terms(_told_apart(campaign, parts, reduced))
+    terms = yield from ask(joined_terms_many, _told_apart(campaign, parts, reduced))
     assert terms.estimate is not None  # noqa: S101 - the caller has looked
     scaled = tuple(axis for part in parts for axis in part.terms.axes
                    if any(kind_of(key) == "scale_factor" for key in part.terms.parameters))  # fmt: skip

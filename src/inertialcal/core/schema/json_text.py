@@ -2,13 +2,14 @@
 
 ``json.dumps`` leaves its compiled encoder where it indents, and much of its time goes into digits. For files with
 many numbers and a checksum over their canonical form, `json_texts` makes both in one pass, byte for byte the same. What
-stands in several places is written once, and of an array the numbers alone that are not zero, into the text of zeros of
-its shape: most of a model file is covariances, and most of these zeros.
+stands in several places is written once, and of the arrays of a frame the numbers alone that are not zero: most of a
+model file is covariances, most of these zeros, and in the same places in many units.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Sequence
 from functools import lru_cache
@@ -37,8 +38,6 @@ NULL = FIXED[None], FIXED[None]
 PLAIN: dict[type, Callable[[Any], str]] = {
     str: encode_basestring, float: _number, type(None): FIXED.__getitem__, bool: FIXED.__getitem__, int: int.__repr__,
 }  # fmt: skip
-ZERO = "0.0"
-WIDTH = len(ZERO)
 
 
 class _Encoded(dict[str, Texts]):
@@ -51,14 +50,14 @@ class _Encoded(dict[str, Texts]):
 
 
 class Hole:
-    """Where a value comes into a frame; numbers at any depth, all else at the first."""
+    """Where a value comes into a frame, at the first depth or inside a dict of it."""
 
     def __init__(self, name: str) -> None:
         self.name = name
 
 
 class Frame:
-    """A dict with holes, written once for each line that it stands on.
+    """A dict with holes; what several of them have alike is written once.
 
     Parameters
     ----------
@@ -68,17 +67,6 @@ class Frame:
 
     def __init__(self, content: dict[str, Any]) -> None:
         self.content = content
-        self._texts: dict[str, Texts] = {}
-
-    def texts(self, line: str) -> Texts:
-        """Return it in both forms, as patterns of the values by the names of the holes."""
-        if line not in self._texts:
-            laid, canonical = (
-                re.sub("\0([^\0]*)\0", r"%(\1)s", text.replace("%", "%%"))
-                for text in _texts_of_dict(self.content, line, _Known())
-            )
-            self._texts[line] = laid, canonical
-        return self._texts[line]
 
 
 class Filled:
@@ -89,16 +77,20 @@ class Filled:
     frame : Frame
         Shared by all that differ in these values alone.
     values : dict
-        By the names of the holes.
+        By the names of the holes: numbers, None, and arrays of float64, in which an infinite number is written as null.
     """
 
-    def __init__(self, frame: Frame, values: dict[str, Any]) -> None:
+    def __init__(self, frame: Frame, values: dict[str, Array | float | None]) -> None:
         self.frame, self.values = frame, values
 
     @property
     def content(self) -> dict[str, Any]:
         """The dict."""
-        return _fill(self.frame.content, self.values)
+        import numpy as np  # noqa: PLC0415 - see `_is_array`
+
+        arrays = {name: part for name, part in self.values.items() if _is_array(part)}
+        lists = {name: np.where(np.isinf(part), None, part).tolist() for name, part in arrays.items()}
+        return _fill(self.frame.content, self.values | lists)
 
 
 def _fill(content: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
@@ -156,9 +148,9 @@ def _texts(given: object, line: str, known: _Known) -> Texts:
     elif isinstance(given, dict):
         found = _texts_of_dict(given, line, known) if given else ("{}", "{}")
     elif isinstance(given, Filled):
-        found = _texts_of_frame(given, line, known)
+        found = _texts_of_frame(given, line)
     elif _is_array(given):
-        found = _texts_of_array(given, line)
+        found = _texts(given.tolist(), line, _Known())
     elif isinstance(given, Hole):
         found = f"\0{given.name}\0", f"\0{given.name}\0"  # as no text has
     else:
@@ -190,13 +182,66 @@ def _frame(names: tuple[str, ...], line: str) -> tuple[str, str, list[int]]:
     return f"{{{line} {laid}{line}}}", f"{{{','.join([f'{keys[i]}:%s' for i in order])}}}", order
 
 
-def _texts_of_frame(given: Filled, line: str, known: _Known) -> Texts:
-    laid, canonical = given.frame.texts(line)
-    inner = line + " "
-    values = {name: _texts(part, inner, known) for name, part in given.values.items()}
-    return laid % {name: text for name, (text, _) in values.items()}, canonical % {
-        name: text for name, (_, text) in values.items()
-    }
+_MARK = re.compile("\0([0-9]+)\0")  # of a hole
+Pattern = tuple[tuple[str, tuple[int, ...] | None, bytes, bytes], ...]
+
+
+def _texts_of_frame(given: Filled, line: str) -> Texts:
+    """Write the numbers that are not zero into the text of all frames that have zeros and endless ones in its places."""
+    numbers: list[float] = []
+    pattern = []
+    for name, part in given.values.items():
+        if _is_array(part):
+            flat = part.ravel()
+            at = flat.view("i8").nonzero()[0]  # -0.0 is no zero
+            own = flat[at]
+            endless = abs(own) == math.inf
+            if endless.any():
+                pattern.append((name, part.shape, at.tobytes(), endless.tobytes()))
+                own = own[~endless]
+            else:
+                pattern.append((name, part.shape, at.tobytes(), b""))
+            numbers += own.tolist()
+        elif part is None:
+            pattern.append((name, None, b"", b""))
+        else:
+            pattern.append((name, (), b"", b""))
+            numbers.append(part)  # type: ignore[arg-type]
+    texts = [*map(float.__repr__, numbers)]
+    _check_finite("".join(texts))
+    forms = []
+    for fixed, order in _pattern_texts(given.frame, line, tuple(pattern)):
+        pieces = [""] * (2 * len(order) + 1)
+        pieces[::2] = fixed
+        pieces[1::2] = [texts[i] for i in order]
+        forms.append("".join(pieces))
+    return forms[0], forms[1]
+
+
+@lru_cache(maxsize=1024)
+def _pattern_texts(frame: Frame, line: str, pattern: Pattern) -> Sequence[tuple[list[str], list[int]]]:
+    """Return a frame in both forms, in pieces between its numbers, and which number comes into each gap."""
+    import numpy as np  # noqa: PLC0415 - see `_is_array`
+
+    values: dict[str, object] = {}
+    count = 0
+    for name, shape, at, endless in pattern:
+        if shape is None:
+            values[name] = None
+            continue
+        cells: list[object] = [0.0] * math.prod(shape)
+        nulls = np.frombuffer(endless, dtype=bool).tolist() if endless else []
+        for k, place in enumerate(np.frombuffer(at, dtype=np.intp).tolist() if shape else [0]):
+            if nulls and nulls[k]:
+                cells[place] = None
+            else:
+                cells[place] = Hole(str(count))
+                count += 1
+        for size in reversed(shape[1:]):
+            cells = [cells[i : i + size] for i in range(0, len(cells), size)]
+        values[name] = cells if shape else cells[0]
+    laid, canonical = _texts(_fill(frame.content, values), line, _Known())
+    return [(_MARK.split(text)[::2], [*map(int, _MARK.findall(text))]) for text in (laid, canonical)]
 
 
 def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: _Known) -> Texts:
@@ -217,35 +262,3 @@ def _texts_of_list(given: list[object] | tuple[object, ...], line: str, known: _
 
 def _is_array(given: object) -> TypeGuard[Array]:
     return type(given).__name__ == "ndarray"  # numpy need not be there for files without arrays
-
-
-def _texts_of_array(given: Array, line: str) -> Texts:
-    if given.dtype != float or not given.size:
-        return _texts(given.tolist(), line, _Known())
-    flat = given.ravel()
-    at = flat.view("i8").nonzero()[0]  # -0.0 is no zero
-    texts = [*map(float.__repr__, flat[at].tolist())]
-    _check_finite("".join(texts))
-    (laid, places), (canonical, theirs) = _zeros(given.shape, line)
-    return _filled(laid, places[at].tolist(), texts), _filled(canonical, theirs[at].tolist(), texts)
-
-
-def _filled(zeros: str, places: Sequence[int], texts: Sequence[str]) -> str:
-    """Return a text of zeros with numbers in their places."""
-    pieces = [""] * (2 * len(places) + 1)
-    starts = [0, *[place + WIDTH for place in places]]
-    pieces[::2] = [zeros[start:end] for start, end in zip(starts, [*places, len(zeros)], strict=True)]
-    pieces[1::2] = texts
-    return "".join(pieces)
-
-
-@lru_cache(maxsize=64)
-def _zeros(shape: tuple[int, ...], line: str) -> tuple[tuple[str, Array], tuple[str, Array]]:
-    """Return an array of zeros in both forms, and where in the text each zero stands."""
-    import numpy as np  # noqa: PLC0415 - see `_is_array`
-
-    laid, canonical = (
-        (text, np.array([one.start() for one in re.finditer(re.escape(ZERO), text)]))
-        for text in _texts(np.zeros(shape).tolist(), line, _Known())
-    )
-    return laid, canonical

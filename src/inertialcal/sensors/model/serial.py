@@ -294,16 +294,12 @@ def _estimate_content(estimate: Estimate) -> dict[str, Any]:
 
 
 def _component_content(one: Component) -> Filled:
-    values: dict[str, Any] = {"covariance": one.covariance, "changes": one.changes}
-    endless, unit = 0, None
-    if isinstance(one.dof, np.ndarray):
-        values["dof"] = dof = [None if each == math.inf else each for each in one.dof.tolist()]
-        endless = len(dof) if dof.count(None) == len(dof) else 0
-    else:
-        values["dof"] = finite(one.dof)
+    dof = one.dof if isinstance(one.dof, np.ndarray) else finite(one.dof)
+    values: dict[str, Array | float | None] = {"covariance": one.covariance, "dof": dof, "changes": one.changes}
+    unit = None
     if one.stated is not None:
         values["u"], unit = float(one.stated[0]), one.stated[1]
-    return Filled(_frame(one.given, one.kind, one.distribution, unit, one.unknowns, one.term, endless), values)
+    return Filled(_frame(one.given, one.kind, one.distribution, unit, one.unknowns, one.term), values)
 
 
 @lru_cache(maxsize=256)
@@ -314,15 +310,14 @@ def _frame(
     unit: str | None,
     unknowns: tuple[str, ...],
     term: str,
-    endless: int,
 ) -> Frame:
-    """Return a source of uncertainty without its numbers; so many degrees of freedom are endless, where all are."""
+    """Return a source of uncertainty without its numbers."""
     return Frame(
         {
             "source": str(given),
             "kind": kind,
             "covariance": Hole("covariance"),
-            "dof": [None] * endless if endless else Hole("dof"),
+            "dof": Hole("dof"),
             "distribution": distribution,
             "stated": None if unit is None else {"u": Hole("u"), "unit": unit},
             "origin": (given if isinstance(given, Origin) else Origin(given))._asdict(),
