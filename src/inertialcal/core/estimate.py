@@ -256,6 +256,12 @@ class Component:
         return self.given if isinstance(self.given, Origin) else Origin(self.given)
 
     @property
+    def influence(self) -> str:
+        """Name of the influence under [standards] that it is of, ``"rate_table.rate"``; empty for others."""
+        given = self.given
+        return f"{given.standard}.{given.quantity}" if isinstance(given, Origin) and given.standard else ""
+
+    @property
     def source(self) -> str:
         """The same in words, as budgets show it."""
         return str(self.given)

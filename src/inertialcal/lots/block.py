@@ -264,7 +264,8 @@ def reduce_block(job: Job, units: Sequence[Given]) -> Block:
                 ended[one.number] = _quarantined(one, error)
         _reduce(working, ended)
         left = [unit for unit in working if unit.given.number not in ended]
-        for unit, found in zip(left, together([_finished(job, unit) for unit in left]), strict=True):
+        now = job.place.stamps(tuple(dict.fromkeys(file for unit in left for file in unit.files)))
+        for unit, found in zip(left, together([_finished(job, unit, now) for unit in left]), strict=True):
             number = unit.given.number
             ended[number] = _quarantined(unit.given, found, unit) if isinstance(found, Exception) else found
     made = [ended[one.number] for one in units]
@@ -323,14 +324,14 @@ def _apart(unit: _Unit, number: int, ended: dict[int, tuple[UnitRow, Ended]]) ->
         ended[unit.given.number] = _quarantined(unit.given, error, unit)
 
 
-def _finished(job: Job, unit: _Unit) -> Work[tuple[UnitRow, Ended]]:
-    """Work out the row of a unit whose tests were reduced: models, verdicts, remarks."""
+def _finished(job: Job, unit: _Unit, now: Mapping[str, list[int]]) -> Work[tuple[UnitRow, Ended]]:
+    """Work out the row of a unit whose tests were reduced: models, verdicts, remarks; stamps of files as they are now."""
     given = unit.given
     prepared, tested = yield from tests_of(unit.campaign, unit.found, unit.problems)
     whole = yield from whole_of(unit.campaign, prepared, tested)
-    now = job.place.stamps(unit.files)
-    if now != unit.stamps:
-        raise DataError([changed_input(one) for one in unit.files if now.get(one) != unit.stamps.get(one)])
+    changed = [changed_input(one) for one in unit.files if now.get(one) != unit.stamps.get(one)]
+    if changed:
+        raise DataError(changed)
     figures, verdict = whole.figures, whole.verdict
     models = tuple(sorted(model_files(whole.modelled).items())) if whole.modelled is not None else ()
     inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))

@@ -6,7 +6,6 @@ import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -15,7 +14,7 @@ import pyarrow as pa
 from ..campaign.engine.whole import VERDICT_COLUMNS
 from ..campaign.outcome.contents import Figure
 from ..core.errors import Problem
-from ..core.estimate import Array
+from ..core.estimate import Array, Estimate
 from ..core.influence import influence_of
 from ..core.remarks import Remark
 from ..core.results import COLUMNS
@@ -161,10 +160,8 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
 
 def _common(unit: UnitRow) -> list[float]:
     """Return the part of u of each figure of a unit that units of a station share by its standards, SI."""
-    of_estimate = {
-        one: [] if one is None else _part(one.changes[_acts(one.unknowns, unit.shares)])
-        for one in dict.fromkeys([one.estimate for one in unit.results])
-    }
+    every = dict.fromkeys([one.estimate for one in unit.results])
+    of_estimate = {one: _part(one, unit.shares) for one in every if one is not None}
     return [
         _shared(one.row.shared, unit.shares) if one.row.shared
         else 0.0 if one.estimate is None else of_estimate[one.estimate][one.at]
@@ -172,15 +169,17 @@ def _common(unit: UnitRow) -> list[float]:
     ]  # fmt: skip
 
 
-def _part(changes: Array) -> list[float]:
-    found: list[float] = np.sqrt((changes**2).sum(axis=0)).tolist()
-    return found
-
-
-@lru_cache(maxsize=256)
-def _acts(unknowns: tuple[str, ...], shares: frozenset[str]) -> list[int]:
-    """Return the places of the unknowns whose influences units share."""
-    return [i for i, one in enumerate(unknowns) if influence_of(one) in shares]
+def _part(estimate: Estimate, shares: frozenset[str]) -> list[float]:
+    """Return the same of each value of an estimate."""
+    found: dict[str, Array] = {}
+    for one in estimate.components:
+        if one.changes is not None and one.influence in shares:
+            for unknown, changes in one.named_changes.items():
+                found[unknown] = found[unknown] + changes if unknown in found else changes
+    if not found:
+        return [0.0] * len(estimate.values)
+    part: list[float] = np.sqrt((np.array([*found.values()]) ** 2).sum(axis=0)).tolist()
+    return part
 
 
 def _shared(changes: Mapping[str, float], shares: frozenset[str]) -> float:

@@ -412,6 +412,8 @@ class ReducedTest:
         As procedures see it: plan, readings, result.
     rows : sequence of Row
         SI, each with the name of the test.
+    own : tuple of Remark
+        What reading and reducing brought up, errors first.
     curves : sequence of Curve
         Of what it holds out, SI.
     against : sequence of Row
@@ -434,6 +436,7 @@ class ReducedTest:
     test: Test
     tested: Tested[Any, Any, Any]
     rows: Sequence[Row]
+    own: tuple[Remark, ...] = ()
     curves: Sequence[Curve] = ()
     against: Sequence[Row] = ()
     changes: Sequence[Change] = ()
@@ -445,8 +448,8 @@ class ReducedTest:
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """What reading and reducing brought up, errors first."""
-        return (*_remarks(self.tested), *self.compared, *self.opened)
+        """The same, with what it was set beside and what screening left out."""
+        return (*self.own, *self.compared, *self.opened)
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:
@@ -612,7 +615,8 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
     """
     plain = {one.test.id: tested_of(one, results[one.test.id]) for one in prepared}
     tests = {one.test.id: one.test for one in prepared}
-    wrong = {name: [one for one in _remarks(tested) if one.severity == "error"] for name, tested in plain.items()}
+    own = {name: _remarks(tested) for name, tested in plain.items()}
+    wrong = {name: [one for one in remarks if one.severity == "error"] for name, remarks in own.items()}
     found = []
     for one in prepared:
         tested, other = plain[one.test.id], plain.get(one.test.against or "")
@@ -621,7 +625,8 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
             rows = yield from ask(procedure_of(one.test.procedure).rows_many, tested.result)
         errors = tuple(remark for name in _with_those_before(one.test, tests) for remark in wrong[name])
         named = [row.named(one.test.id) for row in rows]
-        found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded, saves=one.saves))
+        said = own[one.test.id]
+        found.append(ReducedTest(one.test, tested, named, said, errors=errors, recorded=one.recorded, saves=one.saves))
     return found
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,52 @@ OF_ANOTHER = "term_of_another_condition"
 
 Reduced = Mapping[str, Tested[Any, Any, Any]]
 Errors = Mapping[str, Sequence[Remark]]  # By test
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Which tests a model is of, by what the campaign says alone."""
+
+    sensor: str
+    condition: str
+    chosen: Mapping[TermKind, Sequence[Test]]
+    number: int  # Of its first test in the campaign
+    behind: tuple[Test, ...]
+    own: tuple[Test, ...]  # On its sensor and in its condition
+    held: tuple[Test, ...]  # Held out for it
+
+
+class _Deciding:
+    """What of a campaign decides which tests its models are of: the same of all units of a lot."""
+
+    def __init__(self, file: CampaignFile) -> None:
+        self.file = file
+        self.objects = file.tests, file.sensors, file.model
+        self.names = tuple([(name, one.sensor) for name, one in file.recordings.items()]), procedure_names()
+
+    def __hash__(self) -> int:
+        return hash((*map(id, self.objects), self.names))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Deciding) or self.names != other.names:
+            return False
+        return all(mine is its for mine, its in zip(self.objects, other.objects, strict=True))
+
+
+@lru_cache(maxsize=8)
+def _outlines(deciding: _Deciding) -> tuple[Outline, ...]:
+    file, found = deciding.file, []
+    for name in file.sensors:
+        for condition in conditions_of(file, name):
+            chosen = chosen_tests(file, name, condition)
+            number = min(file.tests.index(test) for tests in chosen.values() for test in tests)
+            behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
+            own = [test for test in file.tests if on_sensor(file, test, name) and in_condition(file, test, name, condition)]
+            used = {test.procedure for test in behind}
+            judging = {one for one in procedure_names() if one in used or procedure_of(one).judged_alone}
+            held = [test for test in own if test.use == "hold_out" and test.procedure in judging]
+            found.append(Outline(name, condition, chosen, number, tuple(behind), tuple(own), tuple(held)))
+    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,17 +132,14 @@ def build_models(
         If they cannot be reduced together.
     """
     found: list[Made] = []
-    for name in campaign.file.sensors:
-        for condition in conditions_of(campaign.file, name):
-            chosen = chosen_tests(campaign.file, name, condition)
-            number = min(campaign.file.tests.index(test) for tests in chosen.values() for test in tests)
-            try:
-                with computable(campaign.file.tests[number].id):
-                    made = yield from _build(campaign, name, condition, chosen, reduced, errors)
-            except InertialcalError as error:
-                raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
-            if made is not None:
-                found.append(changed(made, first=number))
+    for outline in _outlines(_Deciding(campaign.file)):
+        try:
+            with computable(campaign.file.tests[outline.number].id):
+                made = yield from _build(campaign, outline, reduced, errors)
+        except InertialcalError as error:
+            raise type(error)([placed(problem, campaign, outline.number) for problem in error.problems]) from None
+        if made is not None:
+            found.append(made)
     found.sort(key=lambda one: one.first)
     of_models = frozenset(test for one in found for test in one.held)
     alone = tuple(
@@ -145,23 +188,14 @@ def _judged_residuals(alone: Sequence[ResidualLoop], share: float) -> tuple[Resi
     return tuple(replace(one, loop=loop) for one, loop in zip(alone, words, strict=True))
 
 
-def _build(
-    campaign: Campaign,
-    name: str,
-    condition: str,
-    chosen: Mapping[TermKind, Sequence[Test]],
-    reduced: Reduced,
-    errors: Errors,
-) -> Work[Made | None]:
+def _build(campaign: Campaign, outline: Outline, reduced: Reduced, errors: Errors) -> Work[Made | None]:
     """Make the model of a sensor in a condition; None where there is none."""
+    name, condition, chosen = outline.sensor, outline.condition, outline.chosen
+    behind, own, held = outline.behind, outline.own, outline.held
     file, sensor = campaign.file, campaign.file.sensors[name]
-    behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
-    procedures = dict.fromkeys(test.procedure for test in behind)
-    own = [test for test in file.tests if on_sensor(file, test, name) and in_condition(file, test, name, condition)]
-    judging = {one for one in procedure_names() if one in procedures or procedure_of(one).judged_alone}
-    held = [test for test in own if test.use == "hold_out" and test.procedure in judging]
     if any(errors.get(test.id) for test in (*behind, *held)):
         return None
+    procedures = dict.fromkeys(test.procedure for test in behind)
     every: list[Part] = []
     for one in procedures:
         every += yield from _parts(campaign, one, chosen, reduced, sensor.kind)
@@ -203,7 +237,7 @@ def _build(
         curves += found.curves
     made = changed(made, remarks=tuple(remarks), curves=tuple(curves))
     alone = frozenset(one.test for one in residuals)
-    return Made(made, 0, tuple(loops), tuple(residuals), alone)
+    return Made(made, outline.number, tuple(loops), tuple(residuals), alone)
 
 
 def _parts(

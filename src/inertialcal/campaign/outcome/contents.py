@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ...core.estimate import Component, Estimate
@@ -27,7 +28,7 @@ from ...procedures.display import (
     stated_unit,
     ten_digits,
 )
-from ...procedures.protocol import BudgetFigure, budget_figures
+from ...procedures.protocol import BudgetFigure, Procedure, budget_figures
 from ..engine.engine import Prepared, ReducedTest, sensor_of
 from ..file.conditions import chosen_tests, conditions_of
 from ..file.load import Campaign
@@ -194,28 +195,41 @@ def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
     return [each.row.changed(**each.fields(campaign.standards)) for each in _of_test(campaign, one)]
 
 
-def _of_test(campaign: Campaign, one: ReducedTest) -> Iterator[Figure]:
-    """Yield the figures of a test."""
-    name, condition = one.test.id, one.test.condition
-    kinds = dict.fromkeys([row.key.sensor for row in one.rows])
+def _of_test(campaign: Campaign, one: ReducedTest) -> list[Figure]:
+    """Return the figures of a test."""
+    name, condition, plain = one.test.id, one.test.condition, Method.RESULT
+    kinds = {row.key.sensor for row in one.rows}
     units = {kind: sensor_of(campaign, one.test, kind).unit for kind in kinds}
     known = {kind: _known(one, kind) for kind in kinds if kind in one.parts}
+    nothing: tuple[Estimate | None, Mapping[Key, int]] = None, {}
+    found = []
     for row in one.rows:
         kind = row.key.sensor
-        estimate, at = known.get(kind, (None, {})) if row.u is not None else (None, {})
-        if row.method is Method.RESULT and row.member is None and row.key in at:
-            yield Figure(row, units[kind], name, condition, estimate, at[row.key])
-        else:
-            yield Figure(row, units[kind], name, condition)
+        if row.u is not None and row.method is plain and row.member is None:
+            estimate, at = known.get(kind, nothing)
+            place = at.get(row.key)
+            if place is not None:
+                found.append(Figure(row, units[kind], name, condition, estimate, place))
+                continue
+        found.append(Figure(row, units[kind], name, condition))
+    return found
 
 
-def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, int]]:
+def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, Mapping[Key, int]]:
     """Return the estimate of a sensor, and the place of each of its values by the key of its row."""
-    part = one.parts[kind]
+    part, procedure = one.parts[kind], one.procedure
     if part.estimate is None:
         return None, {}
-    called = {one.procedure.called(part, key): at for at, key in enumerate(part.estimate.keys)}
-    return part.estimate, ({key._replace(sensor=kind): at for key, at in called.items()} if kind else {}) | called
+    keys = part.estimate.keys
+    if type(procedure).called is not Procedure.called:
+        keys = tuple([procedure.called(part, key) for key in keys])
+    return part.estimate, _places(keys, kind)
+
+
+@lru_cache(maxsize=256)  # the same of all units that are tested alike
+def _places(keys: tuple[Key, ...], kind: str) -> Mapping[Key, int]:
+    own = {key._replace(sensor=kind): at for at, key in enumerate(keys)} if kind else {}
+    return MappingProxyType(own | {key: at for at, key in enumerate(keys)})
 
 
 def _occasions(
@@ -521,7 +535,7 @@ def budget_rows(
         total = float(estimate.covariance[figure.at, figure.at])
         for component in estimate.components:
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
-            reason = exact.get(_named(component), "")
+            reason = exact.get(component.influence, "")
             if share > ROUNDING or reason:
                 key = key_fields(figure.key) | ({"sensor": sensor} if sensor else {})
                 row = {"test": test} | key | _contribution(figure, component, sensor_unit) | {"share": share}
@@ -534,17 +548,11 @@ def _contribution(figure: BudgetFigure, component: Component, sensor_unit: str) 
     u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {
-        "source": component.source, "influence": _named(component), "kind": component.kind,
+        "source": component.source, "influence": component.influence, "kind": component.kind,
         "level": component.origin.level,
         "distribution": component.distribution,
         **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
     }  # fmt: skip
-
-
-def _named(component: Component) -> str:
-    """Return the name of the influence under [standards] that a source is; empty for others."""
-    origin = component.origin
-    return f"{origin.standard}.{origin.quantity}" if origin.standard else ""
 
 
 def _sensitivity(component: Component, u: float, unit: str, sensor_unit: str) -> dict[str, Any]:
