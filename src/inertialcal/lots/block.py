@@ -325,7 +325,10 @@ def _apart(unit: _Unit, number: int, ended: dict[int, tuple[UnitRow, Ended]]) ->
 
 
 def _finished(job: Job, unit: _Unit, now: Mapping[str, list[int]]) -> Work[tuple[UnitRow, Ended]]:
-    """Work out the row of a unit whose tests were reduced: models, verdicts, remarks; stamps of files as they are now."""
+    """Work out the row of a unit whose tests were reduced: models, verdicts, remarks.
+
+    ``now``: stamps of all files as they are after that.
+    """
     given = unit.given
     prepared, tested = yield from tests_of(unit.campaign, unit.found, unit.problems)
     whole = yield from whole_of(unit.campaign, prepared, tested)

@@ -86,7 +86,9 @@ def _outlines(deciding: _Deciding) -> tuple[Outline, ...]:
             chosen = chosen_tests(file, name, condition)
             number = min(file.tests.index(test) for tests in chosen.values() for test in tests)
             behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
-            own = [test for test in file.tests if on_sensor(file, test, name) and in_condition(file, test, name, condition)]
+            own = [
+                test for test in file.tests if on_sensor(file, test, name) and in_condition(file, test, name, condition)
+            ]
             used = {test.procedure for test in behind}
             judging = {one for one in procedure_names() if one in used or procedure_of(one).judged_alone}
             held = [test for test in own if test.use == "hold_out" and test.procedure in judging]

@@ -187,7 +187,7 @@ Pattern = tuple[tuple[str, tuple[int, ...] | None, bytes, bytes], ...]
 
 
 def _texts_of_frame(given: Filled, line: str) -> Texts:
-    """Write the numbers that are not zero into the text of all frames that have zeros and endless ones in its places."""
+    """Write the numbers that are not zero into the text of all frames that have zeros in the same places."""
     numbers: list[float] = []
     pattern = []
     for name, part in given.values.items():

@@ -16,7 +16,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -186,7 +186,10 @@ def _of_axis(one: AxisNoise) -> Estimate | None:
     keys = [key for key in estimate.keys if key.quantity not in {*OF_LINES, *slow}]
     if not keys:
         return None
-    return replace(estimate.select(keys), given=tuple(key._replace(axis=one.axis) for key in keys))
+    found = estimate.select(keys)
+    return Estimate.of_own(
+        tuple([key._replace(axis=one.axis) for key in keys]), found.values, found.units, found.components
+    )
 
 
 def _joined(estimates: Sequence[Estimate]) -> Estimate:
@@ -198,9 +201,9 @@ def _joined(estimates: Sequence[Estimate]) -> Estimate:
         whole[start : start + size, start : start + size] = one.covariance
         start += size
     source = estimates[0].components[0].source
-    return Estimate(
-        tuple(key for one in estimates for key in one.keys),
+    return Estimate.of_own(
+        tuple([key for one in estimates for key in one.keys]),
         np.concatenate([one.values for one in estimates]),
-        tuple(unit for one in estimates for unit in one.units),
+        tuple([unit for one in estimates for unit in one.units]),
         (Component(source, "A", whole),),
     )
