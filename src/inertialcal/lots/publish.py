@@ -15,16 +15,18 @@ import traceback
 from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from ..campaign.engine.processes import cores
 from ..campaign.outcome.publish import version_of_package, versions
 from ..core.errors import DataError, InertialcalError, Problem, StoreError
 from ..core.key import AXES
@@ -42,6 +44,7 @@ NEW = "units.new"
 REPORT = "report.html"
 PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where LOT.toml does not say
 PART = 250  # units in a file
+WRITERS = 2  # of files at a time: each holds a part in memory
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE")
 SHOWN = ("number", "serial", "status", "reason_code", "reason", "verdict")
 
@@ -91,7 +94,8 @@ def publish_lot(
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         noted, instead, copies = _without_copies(lot, ledger, noted, how.get("archive"))
-        parts = [_part(new, lot, ledger, noted, instead, first) for first in range(0, len(noted), PART)]
+        with ThreadPoolExecutor(min(cores(), WRITERS)) as pool:
+            parts = list(pool.map(partial(_part, new, lot, ledger, noted, instead), range(0, len(noted), PART)))
         (folder / LOT).unlink(missing_ok=True)
         shutil.rmtree(folder / UNITS, ignore_errors=True)
         os.replace(new, folder / UNITS)

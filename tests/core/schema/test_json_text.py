@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from inertialcal.core.key import Method
 from inertialcal.core.schema.checksum import CHECKSUM, checksum, sealed_text
-from inertialcal.core.schema.json_text import json_text, json_texts
+from inertialcal.core.schema.json_text import Filled, Frame, Hole, json_text, json_texts
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
 NUMBERS = st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4)
@@ -53,6 +53,46 @@ def test_an_array_is_written_as_the_lists_of_its_numbers(array: Any) -> None:
     content = {"a": array, "b": [array.T, {"c": array}], "d": np.arange(3), "e": np.zeros((0, 2))}
     lists = {"a": array.tolist(), "b": [array.T.tolist(), {"c": array.tolist()}], "d": [0, 1, 2], "e": []}
     assert json_texts(content) == by_standard_library(lists)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            arrays(float, (2, 3), elements=st.sampled_from([0.0, -0.0, 0.1, -2e-300, 1e22])),
+            st.sampled_from([None, 0.0, -0.0, 5e-324]) | arrays(float, 2, elements=st.sampled_from([math.inf, 3.5])),
+            st.sampled_from([None, 0.0, 0.03]),
+        ),
+        min_size=1,
+        max_size=4,
+    )
+)
+def test_frames_with_their_numbers_are_written_as_the_dicts_that_they_make(filled: list[tuple[Any, Any, Any]]) -> None:
+    frame = Frame(
+        {"z": Hole("changes"), "dof": Hole("dof"), "50 %": "as %s", "stated": {"unit": "rad", "u": Hole("u")}},
+        endless=frozenset({"dof"}),
+    )
+    made = [Filled(frame, {"dof": dof, "changes": changes, "u": u}) for changes, dof, u in filled]
+    plain = [
+        {
+            "z": changes.tolist(),
+            "dof": [None if one == math.inf else one for one in dof] if isinstance(dof, np.ndarray) else dof,
+            "50 %": "as %s",
+            "stated": {"unit": "rad", "u": u},
+        }
+        for changes, dof, u in filled
+    ]
+    assert json_texts({"a": made, "b": {"c": made[0]}}) == by_standard_library({"a": plain, "b": {"c": plain[0]}})
+    assert [one.content for one in made] == plain
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_a_number_that_json_has_not_is_refused_in_a_frame(number: float) -> None:
+    frame = Frame({"a": Hole("a"), "dof": Hole("dof")}, endless=frozenset({"dof"}))
+    with pytest.raises(ValueError, match="NaN"):
+        json_texts([Filled(frame, {"a": np.array([0.0, number]), "dof": None})])
+    if number != math.inf:
+        with pytest.raises(ValueError, match="NaN"):
+            json_texts([Filled(frame, {"a": None, "dof": np.array([number])})])
 
 
 def test_kinds_that_are_more_than_plain_ones() -> None:

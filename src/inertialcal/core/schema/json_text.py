@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from functools import lru_cache
 from json.encoder import encode_basestring
 from typing import TYPE_CHECKING, Any, TypeGuard
@@ -63,10 +63,12 @@ class Frame:
     ----------
     content : dict
         That does not change any more.
+    endless : set of str
+        Names of holes for arrays, shape (k,), in which an infinite number is written as null.
     """
 
-    def __init__(self, content: dict[str, Any]) -> None:
-        self.content = content
+    def __init__(self, content: dict[str, Any], endless: Set[str] = frozenset()) -> None:
+        self.content, self.endless = content, endless
 
 
 class Filled:
@@ -77,7 +79,7 @@ class Filled:
     frame : Frame
         Shared by all that differ in these values alone.
     values : dict
-        By the names of the holes: numbers, None, and arrays of float64, in which an infinite number is written as null.
+        By the names of the holes: numbers, None, and arrays of float64.
     """
 
     def __init__(self, frame: Frame, values: dict[str, Array | float | None]) -> None:
@@ -86,10 +88,9 @@ class Filled:
     @property
     def content(self) -> dict[str, Any]:
         """The dict."""
-        import numpy as np  # noqa: PLC0415 - see `_is_array`
-
-        arrays = {name: part for name, part in self.values.items() if _is_array(part)}
-        lists = {name: np.where(np.isinf(part), None, part).tolist() for name, part in arrays.items()}
+        lists: dict[str, Any] = {name: part.tolist() for name, part in self.values.items() if _is_array(part)}
+        for name in self.frame.endless & lists.keys():
+            lists[name] = [None if one == math.inf else one for one in lists[name]]
         return _fill(self.frame.content, self.values | lists)
 
 
@@ -189,25 +190,26 @@ Pattern = tuple[tuple[str, tuple[int, ...] | None, bytes, bytes], ...]
 def _texts_of_frame(given: Filled, line: str) -> Texts:
     """Write the numbers that are not zero into the text of all frames that have zeros in the same places."""
     numbers: list[float] = []
-    pattern = []
+    pattern: list[tuple[str, tuple[int, ...] | None, bytes, bytes]] = []
     for name, part in given.values.items():
         if _is_array(part):
             flat = part.ravel()
             at = flat.view("i8").nonzero()[0]  # -0.0 is no zero
             own = flat[at]
-            endless = abs(own) == math.inf
-            if endless.any():
-                pattern.append((name, part.shape, at.tobytes(), endless.tobytes()))
-                own = own[~endless]
-            else:
-                pattern.append((name, part.shape, at.tobytes(), b""))
+            nulls = b""
+            if name in given.frame.endless:
+                endless = own == math.inf
+                own, nulls = own[~endless], endless.tobytes()
+            pattern.append((name, part.shape, at.tobytes(), nulls))
             numbers += own.tolist()
-        elif part is None:
-            pattern.append((name, None, b"", b""))
-        else:
+        elif part:
             pattern.append((name, (), b"", b""))
-            numbers.append(part)  # type: ignore[arg-type]
-    texts = [*map(float.__repr__, numbers)]
+            numbers.append(part)
+        else:
+            pattern.append((name, None, repr(part).encode(), b""))
+    every = [*dict.fromkeys(numbers)]  # a covariance has most of its numbers twice
+    known = dict(zip(every, map(float.__repr__, every), strict=True))
+    texts = [known[one] for one in numbers]
     _check_finite("".join(texts))
     forms = []
     for fixed, order in _pattern_texts(given.frame, line, tuple(pattern)):
@@ -227,7 +229,7 @@ def _pattern_texts(frame: Frame, line: str, pattern: Pattern) -> Sequence[tuple[
     count = 0
     for name, shape, at, endless in pattern:
         if shape is None:
-            values[name] = None
+            values[name] = None if at == b"None" else float(at)
             continue
         cells: list[object] = [0.0] * math.prod(shape)
         nulls = np.frombuffer(endless, dtype=bool).tolist() if endless else []

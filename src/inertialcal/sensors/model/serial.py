@@ -324,7 +324,8 @@ def _frame(
             "unknowns": list(unknowns),
             "changes": Hole("changes"),
             "term": term,
-        }
+        },
+        endless=frozenset({"dof"}),
     )
 
 
