@@ -204,7 +204,7 @@ def _texts_of_frame(given: Filled, line: str) -> Texts:
             numbers += own.tolist()
         elif part:
             pattern.append((name, (), b"", b""))
-            numbers.append(part)
+            numbers.append(float(part))
         else:
             pattern.append((name, None, repr(part).encode(), b""))
     every = [*dict.fromkeys(numbers)]  # a covariance has most of its numbers twice
