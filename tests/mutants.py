@@ -455,8 +455,8 @@ MUTANTS = (
     ),
     Mutant(
         "edf.py",
-        "deviation * np.sqrt(edf / special.chdtri(edf, 1.0 - tail))",
-        "deviation * np.sqrt(special.chdtri(edf, 1.0 - tail) / edf)",
+        "np.sqrt(known / special.chdtri(known, chance))[at]",
+        "np.sqrt(special.chdtri(known, chance) / known)[at]",
         "test_allan_edf",
     ),
     Mutant(
