@@ -994,6 +994,12 @@ LAB = (
         "has line_2",
     ),
     Case(
+        "Go on with it by --resume",
+        "simulate lot --n 2 -o begun ; cut lot begun -o begun-out",
+        "lot begun -o begun-out --resume",
+        "has begun-out",
+    ),
+    Case(
         "Try: inertialcal simulate lot -o DIR",
         "simulate lot --n 2 -o moved ; lot moved -o moved-out ; rm moved/.truth/truth.json ; score moved-out",
         "simulate lot -o line_3",

@@ -10,7 +10,10 @@ import json
 import os
 import re
 import shlex
+import signal
+import subprocess
 import sys
+import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -58,6 +61,7 @@ MADE = {name: shlex.split(line) for name, line in {  # models, terms and campaig
     "shared_2/out": "run shared_2",
     "edited/out": "run edited",
 }.items()}  # fmt: skip
+PATIENCE = 60.0  # for a command that is cut off [s]
 LARGEST = 200_000  # bytes of a written file that is looked into
 
 OF_MODULE = {"serial": "pyserial"}  # packages whose modules are called otherwise
@@ -83,17 +87,38 @@ def strings(content: Any) -> Iterator[str]:
         yield content
 
 
+def _by_hand(what: str, name: str, before: str = "", after: str = "") -> None:
+    """Delete a file, or edit it, or cut it off as a loss of power does."""
+    if what == "halve":
+        os.truncate(name, os.path.getsize(name) // 2)
+        return
+    file = Path(name)
+    text = file.read_text(encoding="utf-8")
+    file.unlink() if what == "rm" else file.write_text(text.replace(before, after), encoding="utf-8")
+
+
+def _cut_off(words: Sequence[str]) -> str:
+    """Type a command and Ctrl-C once it has begun; return what it says."""
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-m", "inertialcal", *words]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=env)
+    begun, end = Path(words[words.index("-o") + 1]) / "ledger.sqlite", time.monotonic() + PATIENCE
+    while not begun.exists() and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130, said
+    return said
+
+
 def typed(capsys: pytest.CaptureFixture[str], line: str) -> tuple[int, Any, str]:
     """Type a command; return exit status, its object, and all that it says. ``text`` before it: without ``--json``."""
     words = shlex.split(line)
-    if words[0] == "halve":  # as a loss of power does
-        os.truncate(words[1], os.path.getsize(words[1]) // 2)
+    if words[0] in ("halve", "rm", "edit"):
+        _by_hand(*words)
         return 0, {}, ""
-    if words[0] in ("rm", "edit"):  # by hand
-        file = Path(words[1])
-        text = file.read_text(encoding="utf-8")
-        file.unlink() if words[0] == "rm" else file.write_text(text.replace(words[2], words[3]), encoding="utf-8")
-        return 0, {}, ""
+    if words[0] == "cut":
+        return 130, {}, _cut_off(words[1:])
     if words[0] == "python":
         try:
             return 0, {}, str(getattr(ic, words[1])(*words[2:]))

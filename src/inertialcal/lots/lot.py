@@ -280,9 +280,9 @@ class _Lot:
         if not self.job.place.is_local:
             self.job.place.stamps([self.lot.file.units])  # refused at once
         who: Workers = self._workers(workers, scheduler)
+        interruption.note(self.folder, complete=False, then="Go on with it by --resume")
         ledger = Ledger(self.folder)
         try:
-            interruption.note(self.folder, complete=False, then="Go on with it by --resume")
             known = self._known(ledger)
             missing = [number for number, key in enumerate(keys) if key not in known]
             self.done = len(keys) - len(missing)
