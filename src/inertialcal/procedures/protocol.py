@@ -709,13 +709,6 @@ class Procedure(Generic[P, R, S]):
         """
         return ()
 
-    def agreement_many(self, tests: Sequence[tuple[P, R]]) -> list[Sequence[Remark]]:
-        """Return what `agreement` gives of each of many tests, of many units.
-
-        What breaks down in one of them ends the whole call: the engine then asks for each by itself.
-        """
-        return [self.agreement(plan, readings) for plan, readings in tests]
-
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""
         raise NotImplementedError

@@ -11,6 +11,7 @@ import pytest
 from inertialcal.core.errors import InertialcalError
 from inertialcal.core.influence import Influence
 from inertialcal.procedures import procedure_of
+from inertialcal.procedures.rate_table.agreement import agreement_many
 from inertialcal.procedures.rate_table.plan import Attitude, Plan
 from inertialcal.procedures.rate_table.readings import Readings
 from inertialcal.procedures.rate_table.reduction import Result, reduce, reduce_many
@@ -112,9 +113,8 @@ def test_many_units_are_the_same_as_each_alone_whatever_their_faults() -> None:
 def test_what_disagrees_in_many_units_is_what_disagrees_in_each_alone() -> None:
     tests = [(PLAN, unit(seed, fault)) for seed in (1, 2, 3) for fault in FAULTS]
     tests += [(PLAN, unit(seed)) for seed in range(10, 30)]
-    procedure = procedure_of("rate_table")
-    found = procedure.agreement_many(tests)
-    assert [list(one) for one in found] == [list(procedure.agreement(*test)) for test in tests]
+    found = agreement_many(tests)
+    assert found == [list(procedure_of("rate_table").agreement(*test)) for test in tests]
     assert {remark.code for one in found for remark in one} >= {
         "copy_of_applied", "sign_disagrees", "axes_disagree", "reading_disagrees",
     }  # fmt: skip

@@ -136,12 +136,6 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
         return agreement(plan, readings)
 
-    def agreement_many(self, tests: Sequence[tuple[Plan, Readings]]) -> list[Sequence[Remark]]:
-        """Return the same of many units; those that were turned alike are looked at together."""
-        from .agreement import agreement_many
-
-        return [*agreement_many(tests)]
-
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the lines of all sensors."""
         from .reduction import reduce

@@ -135,8 +135,6 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
     PlanError
         If the probability is not between 0 and 1.
     """
-    if not 0.0 < false_alarm < 1.0:
-        raise PlanError(f"false_alarm {false_alarm:g}, need a probability between 0 and 1")
     each = lines_apart(spectrum, false_alarm)
     if len(each) == 1:
         return each[0]
