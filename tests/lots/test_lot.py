@@ -240,10 +240,13 @@ def test_folders_that_are_not_this_lot_are_refused(tmp_path: Path) -> None:
 
 def test_a_part_holds_a_fixed_number_of_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(publish, "PART", 5)
+    monkeypatch.setattr(publish, "GROUP", 2)  # what is in memory at a time
     ic.lot(folder_lot(tmp_path / "lot", 12), tmp_path / "out", workers=0)
     content = json.loads((tmp_path / "out" / "lot.json").read_text(encoding="utf-8"))
     assert [one["units"] for one in content["parts"]] == [5, 5, 2]
     assert [one["number"] for one in rows(tmp_path / "out")] == list(range(12))
+    part = pq.read_metadata(tmp_path / "out" / content["parts"][0]["file"])
+    assert [part.row_group(at).num_rows for at in range(part.num_row_groups)] == [2, 2, 1]
 
 
 @pytest.mark.parametrize("what", ["statistics", "report"])

@@ -16,10 +16,11 @@ from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache, partial
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +45,9 @@ NEW = "units.new"
 REPORT = "report.html"
 PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where LOT.toml does not say
 PART = 250  # units in a file
-WRITERS = 2  # of files at a time: each holds a part in memory
+GROUP = 50  # units in a row group: what is in memory at a time
+MODEL_TEXT = "model.list.element.json"
+WRITERS = 2  # of files at a time
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE")
 SHOWN = ("number", "serial", "status", "reason_code", "reason", "verdict")
 
@@ -269,26 +272,46 @@ def _part(
     new: Path, lot: Lot, ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int
 ) -> dict[str, object]:
     """Write the rows of the units from one on; return what ``lot.json`` says of them."""
-
-    @lru_cache(maxsize=4)
-    def block(number: int) -> pa.Table:
-        return _table(ledger.rows(number))
-
-    own = noted[first : first + PART]
-    rows = (
-        _table(instead[number]) if number in instead else block(one.block).slice(one.place, 1)
-        for number, one in enumerate(own, first)
-    )
-    table = pa.concat_tables(list(rows))
-    table = table.set_column(0, "number", pa.array(range(first, first + len(own)), pa.int64()))
-    given = lot.units.table.slice(first, len(own))
-    for name in given.column_names:
-        if name != "serial":
-            table = table.append_column(name if name not in OWN else f"unit_{name}", given[name])
+    last = min(first + PART, len(noted))
     name = f"part-{first // PART:05d}.parquet"
-    pq.write_table(table.combine_chunks(), new / name, compression="zstd", row_group_size=PART)
+    with ExitStack() as stack:
+        writer: pq.ParquetWriter | None = None
+        for start in range(first, last, GROUP):
+            end = min(start + GROUP, last)
+            table = _rows(ledger, noted, instead, start, end)
+            given = lot.units.table.slice(start, end - start)
+            for column in given.column_names:
+                if column != "serial":
+                    table = table.append_column(column if column not in OWN else f"unit_{column}", given[column])
+            if writer is None:
+                often = [one for one in _leaves(table.schema) if one != MODEL_TEXT]  # no two model files are alike
+                opened = pq.ParquetWriter(new / name, table.schema, compression="zstd", use_dictionary=often)
+                writer = stack.enter_context(opened)
+            writer.write_table(table.combine_chunks())
     digest = hashlib.sha256((new / name).read_bytes()).hexdigest()
-    return {"file": f"{UNITS}/{name}", "units": len(own), "sha256": digest}
+    return {"file": f"{UNITS}/{name}", "units": last - first, "sha256": digest}
+
+
+def _leaves(schema: pa.Schema) -> Iterator[str]:
+    """Yield the columns of a schema as a file names them."""
+    for field in schema:
+        if pa.types.is_list(field.type) and pa.types.is_struct(field.type.value_type):
+            yield from (f"{field.name}.list.element.{one.name}" for one in field.type.value_type)
+        else:
+            yield field.name
+
+
+def _rows(ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int, end: int) -> pa.Table:
+    """Return the rows of some units: those in the ledger, or in place of them."""
+    tables: list[pa.Table] = []
+    runs = groupby(range(first, end), lambda at: (at in instead, noted[at].block, noted[at].place - at))
+    for (replaced, block, _), run in runs:
+        numbers = list(run)
+        if replaced:
+            tables += [_table(instead[at]) for at in numbers]
+        else:
+            tables.append(_table(ledger.rows(block)).slice(noted[numbers[0]].place, len(numbers)))
+    return pa.concat_tables(tables).set_column(0, "number", pa.array(range(first, end), pa.int64()))
 
 
 def _table(rows: bytes, columns: Sequence[int] | None = None) -> pa.Table:

@@ -224,8 +224,8 @@ def study(table: Table, columns: Columns) -> Study:
             y, drift, in_step = y - change.slope * away, 1, change.u * away
         at_station = levels(y, stations[rows], common, len(usable), drift, in_step) if len(names) > 1 else []
         off += [Off(columns.station, names[one.number], table.figures[k], one) for one in at_station if one.off]
-        centred = y - np.array([next(one.mean for one in at_station if one.number == s) for s in stations[rows]]) \
-            if at_station else y  # fmt: skip
+        means = {one.number: one.mean for one in at_station}
+        centred = y - np.array([means.get(s, np.nan) for s in range(len(names))])[stations[rows]] if means else y
         spent = max(len(at_station) - 1, 0) + drift
         for name, (level, called) in factors.items():
             found = levels(centred, level[rows], 0.0, len(usable) * len(factors), spent)

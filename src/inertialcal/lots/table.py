@@ -21,6 +21,10 @@ from ..core.estimate import Array
 from ..core.key import At, Key, Method
 
 IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
+HEAD = ("serial", "status", "verdict", "reason_code")
+RESULTS = "results.list.element."
+WORDS = [RESULTS + one for one in (*IDENTITY, "method", "member_kind", "status") if one not in ("power", "at")]
+COLUMNS = [*WORDS, *(RESULTS + one for one in ("power", "at", "value", "u", "dof", "common"))]
 PARAMETER = ("quantity", "axis", "sensor", "power")
 LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
 ASSEMBLED = "model"  # test of figures that stand in another test already
@@ -218,8 +222,9 @@ def read_table(parts: Sequence[Path], names: Sequence[str]) -> Table:
     """
     made = _Made()
     for path in parts:
-        made.add(pq.read_table(path, columns=["serial", "status", "verdict", "reason_code", "results", "verdicts",
-                                              "remarks", *names]))  # fmt: skip
+        with pq.ParquetFile(path, read_dictionary=WORDS) as part:
+            for group in range(part.num_row_groups):
+                made.add(part.read_row_group(group, [*HEAD, *COLUMNS, "verdicts", "remarks", *names]))
     if not made.heads:
         raise DataError("a lot without a unit", code="no_units")
     return made.table()
@@ -272,17 +277,16 @@ class _Made:
         """Return the number of each row's figure; new ones get the next."""
         if not found.num_rows:
             return np.zeros(0, dtype=np.intp)
-        codes = [found[name].combine_chunks().dictionary_encode(null_encoding="encode") for name in names]
-        index = np.column_stack([one.indices.to_numpy() for one in codes])
-        different, where = np.unique(index, axis=0, return_inverse=True)
-        first = np.full(len(different), len(index))
-        np.minimum.at(first, where.reshape(-1), np.arange(len(index)))
-        numbers = np.zeros(len(different), dtype=np.intp)
-        words = [one.dictionary.to_pylist() for one in codes]
+        codes = [_coded(found[name]) for name in names]
+        index = np.zeros(found.num_rows, dtype=np.int64)
+        for words, at in codes:
+            index = index * len(words) + at
+        _, first, where = np.unique(index, return_index=True, return_inverse=True)
+        numbers = np.zeros(len(first), dtype=np.intp)
         for k in np.argsort(first):
-            key = tuple(word[at] for word, at in zip(words, different[k], strict=True))
+            key = tuple(words[at[first[k]]] for words, at in codes)
             numbers[k] = known.setdefault(key, len(known))
-        return np.asarray(numbers[where.reshape(-1)])
+        return np.asarray(numbers[where])
 
     def table(self) -> Table:
         n, k = self.count, len(self.numbers)
@@ -335,6 +339,15 @@ def _wrong(column: pa.ChunkedArray, first: int) -> list[Wrong]:
         known = made.get((row, one["test"]), Wrong(row, one["test"], one["code"], one["what"], 0))
         made[row, one["test"]] = replace(known, count=known.count + 1)
     return list(made.values())
+
+
+def _coded(column: pa.ChunkedArray) -> tuple[list[Any], NDArray[np.intp]]:
+    """Return the words of a column, none among them, and which of them each cell is."""
+    coded = column.combine_chunks()
+    if not pa.types.is_dictionary(coded.type):
+        coded = coded.dictionary_encode()
+    at = pc.fill_null(pc.add(coded.indices.cast(pa.int64()), 1), 0).to_numpy()
+    return [None, *coded.dictionary.to_pylist()], np.asarray(at, dtype=np.intp)
 
 
 def _flattened(column: pa.ChunkedArray, first: int) -> tuple[NDArray[np.intp], pa.Table]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
 from inertialcal.statistics.intervals import binomial_interval
+from inertialcal.statistics.population import outliers as outlying
 from inertialcal.statistics.population.outliers import Uncertain, outliers
 from sized import sized
 
@@ -196,3 +199,16 @@ def test_a_wide_uncertainty_of_its_own_has_to_be_exceeded() -> None:
     assert np.flatnonzero(outliers(values, None, uncertain).outlier).tolist() == [7]
     uncertain.dof[7, 1] = 2.0  # from three repeats
     assert not outliers(values, None, uncertain).outlier.any()
+
+
+def test_many_units_are_judged_as_few_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Medians of F of many come of a spline: with degrees of freedom from 1 to a million, no two alike."""
+    values, uncertain = line(1500, 1)
+    rng = np.random.default_rng(2)
+    uncertain = replace(uncertain, dof=np.exp(rng.uniform(0.0, np.log(1e6), values.shape)))
+    found = outliers(values, None, uncertain)
+    monkeypatch.setattr(outlying, "NODES", values.size)
+    exact = outliers(values, None, uncertain)
+    assert not np.array_equal(found.deviation, exact.deviation, equal_nan=True)
+    np.testing.assert_allclose(found.deviation, exact.deviation, rtol=1e-8, atol=1e-8)
+    assert np.array_equal(found.outlier, exact.outlier)
