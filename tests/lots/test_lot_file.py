@@ -12,7 +12,7 @@ from small_lot import CAMPAIGN, csv, folder_lot, rates, rows, shared_lot
 
 import inertialcal as ic
 from inertialcal.campaign.start.info import info
-from inertialcal.core.errors import InertialcalError
+from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.lots.lot_file import LotFile, SharedFile, load_lot
 from inertialcal.lots.rows import OWN
 
@@ -213,6 +213,38 @@ def test_a_folder_without_campaign_or_units_is_refused(tmp_path: Path) -> None:
     folder_lot(tmp_path / "lot", 2)
     (tmp_path / "lot" / "u000" / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
     assert [one.code for one in load_lot(tmp_path / "lot").remarks] == ["own_campaign"]
+
+
+def test_a_lot_whose_template_is_not_there_is_told_where_it_was_sought(tmp_path: Path) -> None:
+    path = lot_of(tmp_path, 'campaign = "templates"\nfolder = "{serial}"\n', "serial\nu000\n")
+    assert codes(path) == [("no_campaign", "LOT.toml:4")]
+
+
+def test_a_name_is_told_what_it_may_hold(tmp_path: Path) -> None:
+    path = lot_of(folder_lot(tmp_path / "lot", 2), "[files]\n'a b' = '{serial}'\n", "serial\nu000\n")
+    with pytest.raises(InertialcalError) as error:
+        load_lot(path)
+    assert "letters" in error.value.problems[0].what
+
+
+@pytest.mark.parametrize("pattern", ["{serial}/{batch", "{serial}}/rates.csv", "{{serial}/rates.csv"])
+def test_a_brace_without_the_other_is_told(tmp_path: Path, pattern: str) -> None:
+    path = lot_of(folder_lot(tmp_path / "lot", 2), f"[files]\nrates = '{pattern}'\n", "serial\nu000\nu001\n")
+    assert codes(path) == [("wrong_value", "LOT.toml:5")]
+
+
+def test_a_recording_that_no_unit_has_refuses_the_lot_and_not_every_unit(tmp_path: Path) -> None:
+    root = folder_lot(tmp_path / "lot", 3)
+    path = lot_of(root, "[files]\nrates = '{serial}/rate.csv'\n", "serial\nu000\nu001\nu002\n")
+    with pytest.raises(DataError) as error:
+        ic.lot(path, tmp_path / "out", workers=0)
+    (problem,) = error.value.problems
+    assert problem.code == "missing_file"
+    assert "{serial}/rate.csv" in problem.what
+    for one in ("u001", "u002"):
+        (root / one / "rates.csv").rename(root / one / "rate.csv")
+    outcome = ic.lot(path, tmp_path / "out", workers=0)  # the folder still takes a lot
+    assert (outcome.counts["done"], outcome.counts["quarantined"]) == (2, 1)
 
 
 def test_a_file_of_a_lot_leads_to_the_lot(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from hashlib import sha256
@@ -18,14 +19,14 @@ from typing import TYPE_CHECKING
 from ..campaign.engine.cache import code_digest
 from ..campaign.engine.processes import cores
 from ..campaign.engine.status import EXIT
-from ..core.errors import DataError, PlanError, Problem, StoreError, UsageError
+from ..core.errors import DataError, InertialcalError, PlanError, Problem, StoreError, UsageError
 from ..core.interruption import interruption
 from ..core.remarks import Remark
 from ..core.show.result_tables import remarks_line
 from ..core.show.tables import Block as Part
 from ..core.show.tables import Table, html, text
 from .block import Block, Given, Job, files_of, log_name, unit_key
-from .ledger import Ledger, Noted
+from .ledger import FILE, Ledger, Noted
 from .lot_file import Lot, SharedFile, load_lot
 from .publish import publish_lot
 from .stores import Place, Shared
@@ -199,7 +200,7 @@ def _begin(folder: Path, resume: bool) -> None:
         if there and not resume:
             do = "Name a new folder, or resume the lot there"
             raise UsageError(f"{folder} is not empty", do=do, code="not_empty")
-        if there and not (folder / "ledger.sqlite").is_file():
+        if there and not (folder / FILE).is_file():
             do = "Name the folder of the lot, or begin a new one"
             raise UsageError(f"{folder} holds no lot that could go on", do=do, code="not_empty")
         folder.mkdir(parents=True, exist_ok=True)
@@ -217,6 +218,8 @@ class _Lot:
     tell: Tell
     report: bool = True
     started: float = field(default_factory=time.monotonic)
+    at_once: int = 0  # Units that all workers do at a time
+    counted_from: tuple[float, int] = (0.0, 0)  # When, and units done then: what the time left is told by
     told: float = 0.0
     done: int = 0
     quarantined: int = 0
@@ -279,6 +282,8 @@ class _Lot:
         keys = self.keys
         if not self.job.place.is_local:
             self.job.place.stamps([self.lot.file.units])  # refused at once
+        if not (self.folder / FILE).is_file():
+            self._check_there()
         who: Workers = self._workers(workers, scheduler)
         interruption.note(self.folder, complete=False, then="Go on with it by --resume")
         ledger = Ledger(self.folder)
@@ -288,6 +293,7 @@ class _Lot:
             self.done = len(keys) - len(missing)
             self.quarantined = sum(one.status == "quarantined" for one in known.values())
             if missing:
+                self.at_once = who.size * self.block
                 self._say(f"{len(missing)} of {len(keys)} units to reduce")
                 conduct(who, self.job, self._blocks(missing), partial(self._note, ledger))
             self._to_archive(ledger)
@@ -367,6 +373,33 @@ class _Lot:
             found[key] = known
         return found
 
+    def _check_there(self) -> None:
+        """Refuse a lot in which no unit has a recording that a test needs: a path in LOT.toml is wrong, not every unit.
+
+        Raises
+        ------
+        DataError
+            ``missing_file``.
+        """
+        sought = {name for test in self.lot.template.file.tests for name in test.recordings}
+        for first in range(0, len(self.given), MOST):
+            files: dict[str, set[str]] = {name: set() for name in sought}
+            for one in self.given[first : first + MOST]:
+                with suppress(InertialcalError):  # a bad path is the unit's own
+                    for name, file in files_of(self.job, one).items():
+                        files.get(name, set()).add(file)
+            there = self.job.place.files(set().union(*files.values()))
+            sought -= {name for name, own in files.items() if own & there}
+            if not sought:
+                return
+        problems = []
+        for name in sorted(sought):
+            of = self.lot.files[name]
+            what = f"recording {name}: no unit has {of if isinstance(of, str) else of.file}"
+            do = f"Correct files.{name} in LOT.toml, or put the recordings there"
+            problems.append(Problem(what, self.job.place.store, "every unit would be refused", do, "missing_file"))
+        raise DataError(problems)
+
     def _now_there(self, given: Given, known: Noted) -> bool:
         """Whether files are there now that were not when a unit was refused."""
         try:
@@ -396,10 +429,13 @@ class _Lot:
         self.redone += len(units)
         self.quarantined += sum(one.status == "quarantined" for one in block.units)
         self._to_archive(ledger)
-        total, spent = len(self.given), time.monotonic() - self.started
-        if self.done == total or time.monotonic() - self.told > SECOND:
-            self.told = time.monotonic()
-            left = spent / self.redone * (total - self.done)
+        total, now = len(self.given), time.monotonic()
+        if self.counted_from[1] == 0 and self.redone >= self.at_once:
+            self.counted_from = now, self.redone  # the first block of each worker takes longer: it loads, or compiles
+        if self.done == total or now - self.told > SECOND:
+            self.told = now
+            since, before = self.counted_from if 0 < self.counted_from[1] < self.redone else (self.started, 0)
+            left = (now - since) / (self.redone - before) * (total - self.done)
             self._say(f"units, {_span(left)} left" + f", {self.quarantined} in quarantine" * (self.quarantined > 0))
 
     def _to_archive(self, ledger: Ledger) -> None:

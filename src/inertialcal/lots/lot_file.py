@@ -195,6 +195,11 @@ def _of_file(path: Path) -> Lot:
     problems = [*_patterns(file, at)]
     template = root / file.campaign
     template = template.parent if template.name == FILE and not template.is_dir() else template
+    if not (template / FILE).is_file():
+        what, why = f"campaign: {template / FILE} does not exist", "it is the template of all units"
+        do = "Copy the campaign.toml of one unit there, or name the folder where it lies"
+        problems.append(Problem(what, at("campaign"), why, do, "no_campaign"))
+        raise PlanError(problems)
     try:
         campaign = load(template, elsewhere=True)
     except PlanError as error:
@@ -208,7 +213,7 @@ def _of_file(path: Path) -> Lot:
 
 
 def _patterns(file: LotFile, at: At) -> Iterator[Problem]:
-    """Find patterns that lead out of the store, and words that are no address."""
+    """Find patterns that lead out of the store or are cut off, and words that are no address."""
     patterns: list[tuple[tuple[str, ...], str]] = [(("folder",), file.folder)]
     patterns += [(("files", name), one if isinstance(one, str) else one.file) for name, one in file.files.items()]
     for key, text in patterns:
@@ -217,6 +222,9 @@ def _patterns(file: LotFile, at: At) -> Iterator[Problem]:
             what = f"{'.'.join(key)}: {text!r} leads out of the store"
             why = "every file of a lot lies in its store"
             yield Problem(what, at(*key), why, "Name files from the folder of the store on", "outside")
+        if set(COLUMN.sub("", text)) & set("{}"):
+            what, do = f"{'.'.join(key)}: a brace in {text!r} has no other", 'Write a column as "{serial}"'
+            yield Problem(what, at(*key), "no cell would take its place", do, "wrong_value")
     user, sign, _ = file.store.partition("://")[2].partition("/")[0].rpartition("@")
     if sign and user != "anonymous":
         why = "what stands in LOT.toml is copied and archived"

@@ -9,9 +9,11 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..errors import Problem
+from .quantities import NAME
 from .toml import At
 from .toml import Path as KeyPath
 
+IN_WORDS = {NAME: "may hold letters (a to z), digits, '_', '.' and '-' alone, and begins with a letter or a digit"}
 CONTAINERS = {"dict_type", "model_type", "list_type"}  # kinds of errors: it is no table, no list
 
 
@@ -37,6 +39,7 @@ def model_problems(
     plain: set[KeyPath] = set()  # keys that are refused whatever kind their value is of
     for entry in error.errors(include_url=False, include_input=False):
         what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+        what = IN_WORDS.get(entry.get("ctx", {}).get("pattern", ""), what)
         loc = tuple(one for one in entry["loc"] if one != "[key]")
         path = key_path(loc[:-1], document) + loc[-1:] if entry["type"] == "missing" else key_path(loc, document)
         by_key.setdefault(path, []).append((entry["type"], what, str(entry.get("ctx", {}).get("expected", ""))))

@@ -90,7 +90,8 @@ Relative = quantity("1")
 Voltage = quantity("V")
 Duration = quantity("s")
 Frequency = quantity("Hz")
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=64)]
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
+Name = Annotated[str, Field(pattern=NAME, max_length=64)]
 Text = Annotated[str, Field(max_length=2000)]
 Axis = Literal["x", "y", "z"]
 PerAxis = str | dict[Axis, str]  # one quantity for all axes, or one each
