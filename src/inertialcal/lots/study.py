@@ -347,9 +347,11 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
     if everyone < FEW:
         what = f"{everyone} units: what the population scatters is hardly known"
         found.append(Remark("few_units", "warning", what, do=f"{FEW} or more tell"))
+    most = max((one.n for one in made), default=0)
+    kept = [one for one in made if 2 * one.n > most]  # others are there where a test chose so by what it saw
     over = [
         one
-        for one in made
+        for one in kept
         if _overstated(one) * len(made) < FALSE and (one.gauge is None or (one.gauge.ratio.hi or 0.0) < 1.0 / MATTERS)
     ]
     if over:
@@ -359,7 +361,7 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
         found.append(Remark("overstated", "warning", what, count=len(over), do=do))
     under = [
         one
-        for one in made
+        for one in kept
         if one.gauge is not None and one.gauge.excess * len(made) < FALSE and (one.gauge.ratio.lo or 0.0) > MATTERS
     ]
     if under:

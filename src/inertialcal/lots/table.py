@@ -160,14 +160,22 @@ class Table:
     def usual(self, number: int) -> NDArray[np.bool_]:
         """Return which rows have a figure from the same terms of the model as most: of its test, sensor and axis."""
         own = self.figures[number]
-        beside = {one.parameter for one in self.figures
-                  if (one.test, one.sensor, one.axis) == (own.test, own.sensor, own.axis)}  # fmt: skip
-        has = [rows for name, rows in self.parameters.items() if name in beside]
-        if not has:
-            return np.ones(len(self), dtype=bool)
-        which = np.unique(np.column_stack(has), axis=0, return_inverse=True)[1].reshape(-1)
+        which = self._terms[own.test, own.sensor, own.axis]
         known = self.first & np.isfinite(self.values[:, number])
         return np.asarray(which == np.argmax(np.bincount(which[known], minlength=1)))
+
+    @cached_property
+    def _terms(self) -> dict[tuple[str, str, str], NDArray[np.intp]]:
+        """Which rows have the same terms of the model, by test, sensor and axis."""
+        beside: dict[tuple[str, str, str], set[tuple[str, str, str, int]]] = {}
+        for one in self.figures:
+            beside.setdefault((one.test, one.sensor, one.axis), set()).add(one.parameter)
+        found = {}
+        for of, names in beside.items():
+            has = [rows for name, rows in self.parameters.items() if name in names]
+            index = np.column_stack(has) if has else np.zeros((len(self), 1), dtype=bool)
+            found[of] = np.unique(index, axis=0, return_inverse=True)[1].reshape(-1)
+        return found
 
     def levels(self, name: str) -> tuple[NDArray[np.intp], tuple[str, ...]]:
         """Return the level of each row and the names of levels, of a column of the table of units."""
