@@ -14,11 +14,20 @@ import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
-from ..campaign.engine.engine import Outlines, open_test, order_of, placed, prepare, reduce_alike, screened_samples
+from ..campaign.engine.engine import (
+    Outlines,
+    Prepared,
+    open_test,
+    order_of,
+    placed,
+    preparing,
+    reduce_alike,
+    screened_samples,
+)
 from ..campaign.engine.reductions import Reduced, waiting_for
 from ..campaign.engine.together import Work, together
 from ..campaign.engine.whole import Whole, tests_of, whole_of
@@ -41,6 +50,7 @@ from .stores import Delivery, Place, Shared, UnitStore, file_of
 
 FRAMES = 12  # of a fault that its log holds
 Cell = str | int | float | bool
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -294,23 +304,38 @@ def _reduce(working: Sequence[_Unit], ended: dict[int, tuple[UnitRow, Ended]]) -
     outlines: Outlines = {}
     for number in order_of(template):
         before = {name: places[name] for name in template[number].after}
+        going = [
+            (unit, {name: unit.found[place].result for name, place in before.items()})
+            for unit in working
+            if unit.given.number not in ended and all(one in unit.found for one in before.values())
+        ]
+        works = [_preparing(unit, number, results, outlines) for unit, results in going]
         ready = []
-        for unit in working:
-            if unit.given.number in ended or any(one not in unit.found for one in before.values()):
-                continue
-            results = {name: unit.found[place].result for name, place in before.items()}
+        for (unit, results), prepared in zip(going, together(works), strict=True):
             with _apart(unit, number, ended):
-                prepared = prepare(unit.campaign, number, results, unit.store, unit.gate, outlines=outlines)
-                ready.append((unit, results, prepared))
-                unit.store.leave(unit.campaign.file.recordings[name].file for name in template[number].recordings)
+                ready.append((unit, results, _sound(prepared)))
         found = reduce_alike([one for _, _, one in ready]) if ready else []
-        for (unit, results, prepared), result in zip(ready, found, strict=True):
+        for (unit, results, prepared), reduced in zip(ready, found, strict=True):
             with _apart(unit, number, ended):
-                if isinstance(result, Exception):
-                    raise result
+                result = _sound(reduced)
                 count = screened_samples(prepared, result)
                 opened = open_test(unit.campaign, prepared, count, results, unit.store, unit.gate) if count else None
                 unit.found[number] = Reduced(prepared, result, opened, "")
+
+
+def _preparing(unit: _Unit, number: int, results: Mapping[str, Any], outlines: Outlines) -> Work[Prepared]:
+    """Work out a test of a unit, ready to be reduced; what no other test of it reads is let go."""
+    recordings = unit.campaign.file.recordings
+    files = [recordings[name].file for name in unit.campaign.file.tests[number].recordings]
+    read = partial(unit.store.leave, files)
+    return preparing(unit.campaign, number, results, unit.store, unit.gate, outlines=outlines, when_read=read)
+
+
+def _sound(found: T | Exception) -> T:
+    """Return what was found; raise the error that is in its place."""
+    if isinstance(found, Exception):
+        raise found
+    return found
 
 
 @contextmanager

@@ -709,6 +709,11 @@ class Procedure(Generic[P, R, S]):
         """
         return ()
 
+    @property
+    def agreement_many(self) -> Callable[[Sequence[tuple[P, R]]], Sequence[Sequence[Remark]]] | None:
+        """What gives the same of each of many tests, of many units; None where each is looked at by itself."""
+        return None
+
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""
         raise NotImplementedError

@@ -22,7 +22,9 @@ WRONG = Remark("sign_disagrees", "error", "recording one: x reads with the wrong
 
 @pytest.fixture
 def disagreeing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(type(procedure_of("rate_table")), "agreement", lambda self, plan, readings: [WRONG])
+    rate_table = type(procedure_of("rate_table"))
+    monkeypatch.setattr(rate_table, "agreement", lambda self, plan, readings: [WRONG])
+    monkeypatch.setattr(rate_table, "agreement_many", None)
 
 
 def ended(*words: str) -> int:

@@ -8,7 +8,7 @@ import pytest
 
 from inertialcal.core.key import AXES
 from inertialcal.core.remarks import Remark
-from inertialcal.procedures.rate_table.agreement import agreement
+from inertialcal.procedures.rate_table.agreement import agreement_many
 from inertialcal.procedures.rate_table.plan import Plan
 from inertialcal.procedures.rate_table.readings import Readings
 
@@ -49,7 +49,7 @@ def spoiled(readings: Readings, run: str, factor: float) -> Readings:
 
 def found(readings: Readings, plan: Plan | None = None) -> Sequence[Remark]:
     """Return what disagrees."""
-    return agreement(plan or Plan(), readings)
+    return agreement_many([(plan or Plan(), readings)])[0]
 
 
 @pytest.mark.parametrize(

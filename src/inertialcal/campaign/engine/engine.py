@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -36,7 +36,7 @@ from ..inputs.channels import chain_of
 from ..inputs.duplicates import Content, between, duplicates, pairs
 from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
-from .together import Work, ask
+from .together import Work, alone, ask
 
 STAYS = 0.1  # standard uncertainties that a figure may move by and count as the same
 NAMED = 3  # figures that a remark names
@@ -179,17 +179,18 @@ def _given(file: CampaignFile, test: Test, standards: Standards) -> tuple[object
 Outlines = dict[int, Outline]  # By number of the test
 
 
-def prepare_test(
+def _prepare_test(
     file: CampaignFile,
     test: Test,
     standards: Standards,
     store: Store,
-    corrections: Sequence[Correction] = (),
-    gate: Gate | None = None,
-    screening: bool = True,
-    outline: Outline | None = None,
-) -> Prepared:
-    """Return a test of a campaign, ready to be reduced.
+    corrections: Sequence[Correction],
+    gate: Gate | None,
+    screening: bool,
+    outline: Outline,
+    when_read: Callable[[], None] | None,
+) -> Work[Prepared]:
+    """Work out a test of a campaign, ready to be reduced; ``when_read`` is called when its files are done with.
 
     Parameters
     ----------
@@ -203,19 +204,20 @@ def prepare_test(
         That holds its files.
     corrections : sequence of Correction
         What tests before it found, to be taken off.
-    gate : Gate, optional
+    gate : Gate or None
         That knows columns which other tests read.
     screening : bool
         Leave out samples that are no readings.
-    outline : Outline, optional
-        Of the test, where it is known.
+    outline : Outline
+        Of the test.
+    when_read : callable or None
+        Called when nothing more is read of its files.
 
     Raises
     ------
     PlanError, DataError
         If a setting is wrong, or a recording cannot be read.
     """
-    outline = outline or Outline.of(file, test, standards)
     procedure, plan, facts = outline.procedure, outline.plan, outline.facts
     spec = procedure.inputs_for(plan, corrections)
     gate = gate or Gate()
@@ -233,19 +235,13 @@ def prepare_test(
     try:
         with computable(test.id):
             readings = procedure.readings(plan, sources, corrections)
-            # Without what other tests found, as for a check, recordings may differ by it
-            disagreements = () if test.after and not corrections else procedure.agreement(plan, readings)
     except InertialcalError as error:
         raise _explained(error, [remark for one in sources for remark in one.remarks]) from None
     gated = [remark for one in sources for remark in one.remarks]
     rates = [remark for sensor in facts for remark in rate_remarks(_rates(sources, sensor))]
     known = {(one.code, one.what) for one in readings.remarks}
     unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
-    elsewhere = _outside_condition(file, test, sources)
-    of_sensor = procedure.remarks(outline.leading)
-    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *of_sensor, *outline.exact)
-    if len(more) > len(readings.remarks):
-        readings = replace(readings, remarks=in_order(more, test.recordings))
+    elsewhere = list(_outside_condition(file, test, sources))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
@@ -256,6 +252,18 @@ def prepare_test(
     whole = len(ends) == len(spans) > 0
     span = (min(start for start, _ in ends), max(stop for _, stop in ends)) if whole else None
     saves = tuple(curve for one in sources if (curve := one.saves) is not None)
+    del sources  # what was read of many units is not held at a time
+    if when_read is not None:
+        when_read()
+    try:
+        with computable(test.id):
+            disagreements = yield from _disagreements(procedure, test, plan, readings, corrections)
+    except InertialcalError as error:
+        raise _explained(error, gated) from None
+    of_sensor = procedure.remarks(outline.leading)
+    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *of_sensor, *outline.exact)
+    if len(more) > len(readings.remarks):
+        readings = replace(readings, remarks=in_order(more, test.recordings))
     return Prepared(
         test,
         outline.leading,
@@ -270,6 +278,16 @@ def prepare_test(
         span,
         saves,
     )
+
+
+def _disagreements(
+    procedure: Procedure[P, R, S], test: Test, plan: P, readings: R, corrections: Sequence[Correction]
+) -> Work[Sequence[Remark]]:
+    """Work out where recordings disagree; without what other tests found, as for a check, they may differ by it."""
+    if test.after and not corrections:
+        return ()
+    many = procedure.agreement_many
+    return procedure.agreement(plan, readings) if many is None else (yield from ask(many, (plan, readings)))
 
 
 def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:
@@ -687,6 +705,20 @@ def prepare(
     outlines : dict of Outline, optional
         Of tests of other units, by number; those of this one are added.
     """
+    return alone(preparing(campaign, number, found, store, gate, screening, outlines))
+
+
+def preparing(
+    campaign: Campaign,
+    number: int,
+    found: Mapping[str, Any] | None = None,
+    store: Store | None = None,
+    gate: Gate | None = None,
+    screening: bool = True,
+    outlines: Outlines | None = None,
+    when_read: Callable[[], None] | None = None,
+) -> Work[Prepared]:
+    """Work out what `prepare` returns; ``when_read`` is called when nothing more is read of the files of the test."""
     file, test, standards = campaign.file, campaign.file.tests[number], campaign.standards
     try:
         corrections = [] if found is None else corrections_for(test, file.tests, found)
@@ -696,7 +728,9 @@ def prepare(
             if outlines is not None:
                 outlines[number] = outline
         store = store or Folder(campaign.folder)
-        prepared = prepare_test(file, test, standards, store, corrections, gate, screening, outline)
+        prepared = yield from _prepare_test(
+            file, test, standards, store, corrections, gate, screening, outline, when_read
+        )
         known = tuple(prepared.readings.remarks)
         of_files = (remark for remark in known if remark.code != COMPENSATED)
         remarks = (*(_inside(campaign, remark) for remark in of_files), *_compensated(campaign, prepared))

@@ -70,13 +70,11 @@ class Run:
     at: NDArray[np.intp]  # Its rows
 
 
-def agreement(plan: Plan, readings: Readings) -> list[Remark]:
-    """Return where runs and readings disagree with the nominal, and with each other."""
-    return agreement_many([(plan, readings)])[0]
-
-
 def agreement_many(tests: Sequence[tuple[Plan, Readings]]) -> list[list[Remark]]:
-    """Return the same of each of many tests; those whose units were turned alike are looked at together."""
+    """Return where runs and readings of each of many tests disagree with the nominal, and with each other.
+
+    Units that were turned alike are looked at together.
+    """
     found: list[list[Remark]] = [[] for _ in tests]
     alike: dict[tuple[object, ...], list[tuple[int, _Read]]] = {}
     for i, (plan, readings) in enumerate(tests):

@@ -132,9 +132,16 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return runs and readings that disagree with the table, or with each other."""
-        from .agreement import agreement
+        from .agreement import agreement_many
 
-        return agreement(plan, readings)
+        return agreement_many([(plan, readings)])[0]
+
+    @property
+    def agreement_many(self) -> Callable[[Sequence[tuple[Plan, Readings]]], Sequence[Sequence[Remark]]]:
+        """What gives the same of many units: those that were turned alike are looked at together."""
+        from .agreement import agreement_many
+
+        return agreement_many
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the lines of all sensors."""
