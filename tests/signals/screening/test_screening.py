@@ -18,6 +18,7 @@ from inertialcal.signals.remembered import forget
 from inertialcal.signals.screening import _kernels
 from inertialcal.signals.screening import screen as screen_module
 from inertialcal.signals.screening.blocks import blocks_of, pieces
+from inertialcal.signals.screening.glitches import ranks_of
 from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
 from inertialcal.signals.screening.loops import Loops, loops_for
 from inertialcal.signals.screening.remarks import remarks_of
@@ -182,6 +183,12 @@ def test_ranks_of_distances_from_the_median_are_exact(kind: str) -> None:
     x[n // 2] = np.nan
     assert not _kernels.fill_ranked(x, rows.size, ranks, found)
     assert taken >= 4
+
+
+def test_every_rank_of_a_short_record_is_one_of_its_distances() -> None:
+    for many in range(64, 200):
+        ranks, _ = ranks_of(many)
+        assert 0 <= ranks[0] < ranks[-1] < many
 
 
 @pytest.mark.parametrize("seed", range(1, 5))

@@ -32,10 +32,11 @@ CODES = 32_000.0  # of distances, so that they fit into 16 bits
 REACH = 3  # codes within which the distance of a sample is known
 BIN, LAST = 6, 63  # bits of the codes that are counted together, and the last of these
 COARSE = 8  # one sample in so many may lie near a rank
-LANES = 32  # runs of samples that medians are taken of at a time
+LANES = 64  # runs of samples that medians are taken of at a time
 BINS = 512  # in which values are counted
 ROUNDED = 1.0 + 1e-9  # more than results may differ by rounding
 NEARLY = 1.0 + 1e-6  # more than a fit of some rounds may differ by it
+HALF_PLACE = 2.0**-53  # of a number: its last place is larger
 HUGE = 1e100  # numbers whose squares and sums are still far from the largest
 
 
@@ -249,10 +250,11 @@ def _fill_ranked(x: Samples, m: int, ranks: Indices, out: Array, least: float, l
     medians = np.empty(last - first, dtype=np.int16)
     _fill_medians(codes, first, medians)
     apart, exact = np.empty(m, dtype=np.int32), np.empty(1)
-    for i in range(last - first):
-        middle, code = np.int32(medians[i]), np.int32(codes[first + i])
-        known = 0 < middle < CODES and 0 < code < CODES
-        apart[first + i] = abs(code - middle) if known else -1
+    own, off, top = codes[first:last], apart[first:last], np.int32(CODES)
+    for i in range(len(off)):
+        middle, code = np.int32(medians[i]), np.int32(own[i])
+        known = (middle > 0) & (middle < top) & (code > 0) & (code < top)
+        off[i] = abs(code - middle) if known else np.int32(-1)
     apart[:first], apart[last:] = -1, -1
     for i in range(m):
         if apart[i] < 0:
@@ -307,34 +309,33 @@ def _fill_medians(codes: NDArray[np.int16], first: int, medians: NDArray[np.int1
 
     The samples are cut into runs of one length; step by step all runs move on by a sample.
     """
-    many, lanes = len(medians), LANES
-    length = -(-many // lanes)
-    window = np.full((WINDOW + 3, lanes), 32767, dtype=np.int16)
-    other = window.copy()
-    window[0], other[0] = -1, -1
-    gone, coming = np.empty(lanes, dtype=np.int16), np.empty(lanes, dtype=np.int16)
-    for lane in range(lanes):
-        begin = first + min(lane * length, many - 1)
-        window[1 : WINDOW + 1, lane] = np.sort(codes[begin - SIDE : begin + SIDE + 1])
-    for step in range(length):
-        if step > 0:
-            for lane in range(lanes):
-                i = first + min(lane * length + step, many - 1)
-                still = lane * length + step >= many
-                gone[lane], coming[lane] = codes[i - SIDE - (not still)], codes[i - SIDE if still else i + SIDE]
-            for j in range(1, WINDOW + 2):
-                low, here, high, to = window[j - 1], window[j], window[j + 1], other[j]
-                for lane in range(lanes):
-                    old = gone[lane]
-                    below = low[lane] if low[lane] < old else here[lane]
-                    own = here[lane] if here[lane] < old else high[lane]
-                    least = own if own < coming[lane] else coming[lane]
-                    to[lane] = below if below > least else least
-            window, other = other, window
-        middle = window[SIDE + 1]
-        for lane in range(lanes):
-            if lane * length + step < many:
-                medians[lane * length + step] = middle[lane]
+    many, last = len(medians), len(codes) - 1
+    length = -(-many // LANES)
+    steps = length + WINDOW - 1
+    turned, found = np.empty((steps, LANES), dtype=np.int16), np.empty((length, LANES), dtype=np.int16)
+    for lane in range(LANES):
+        begin = first - SIDE + lane * length
+        for step in range(steps):
+            turned[step, lane] = codes[min(begin + step, last)]
+    window = np.full((WINDOW + 2, LANES), 32767, dtype=np.int16)
+    window[0] = -1
+    other, none = window.copy(), np.full(LANES, 32767, dtype=np.int16)
+    for step in range(steps):
+        gone, coming = turned[step - WINDOW] if step >= WINDOW else none, turned[step]
+        for j in range(1, WINDOW + 1):
+            low, here, high, to = window[j - 1], window[j], window[j + 1], other[j]
+            for lane in range(LANES):
+                old = gone[lane]
+                below = low[lane] if low[lane] < old else here[lane]
+                own = here[lane] if here[lane] < old else high[lane]
+                least = own if own < coming[lane] else coming[lane]
+                to[lane] = below if below > least else least
+        window, other = other, window
+        if step >= WINDOW - 1:
+            found[step - WINDOW + 1] = window[SIDE + 1]
+    for lane in range(LANES):
+        for step in range(min(length, many - lane * length)):
+            medians[lane * length + step] = found[step, lane]
 
 
 @compiled
@@ -508,13 +509,21 @@ def resolved(rows: Array, times: float, off: float, most: float, converted: floa
     ``off``: of a step, beyond which a difference is no whole one, as ``most`` of all must be; ``times``: what a sample
     is multiplied by to be as stored, and ``converted``: units in the last place that this may have changed.
     """
-    step, many = np.inf, 0
+    least, many = np.full(4, np.inf), 0
     for row in rows:
-        for i in range(len(row) - 1):
-            apart = abs(row[i + 1] - row[i])
-            if apart > 0.0:
-                many, step = many + 1, min(step, apart)
-    odd = 0
+        after = row[1:]
+        one, two, three, four = least
+        for i in range(0, len(after) - 3, 4):
+            p, q = abs(after[i] - row[i]), abs(after[i + 1] - row[i + 1])
+            r, s = abs(after[i + 2] - row[i + 2]), abs(after[i + 3] - row[i + 3])
+            one, two = p if 0.0 < p < one else one, q if 0.0 < q < two else two
+            three, four = r if 0.0 < r < three else three, s if 0.0 < s < four else four
+            many += (p > 0.0) + (q > 0.0) + (r > 0.0) + (s > 0.0)
+        for i in range(len(after) // 4 * 4, len(after)):
+            p = abs(after[i] - row[i])
+            one, many = p if 0.0 < p < one else one, many + (p > 0.0)
+        least[0], least[1], least[2], least[3] = one, two, three, four
+    step, odd = least.min(), 0
     for row in rows:
         for i in range(len(row) - 1):
             apart = abs(row[i + 1] - row[i])
@@ -525,7 +534,11 @@ def resolved(rows: Array, times: float, off: float, most: float, converted: floa
             break
     short = True
     for row in rows:
+        doubtful = 0  # more off than half the last places allowed: a last place is that of the exponent alone
         for i in range(len(row)):
+            stored = row[i] * times
+            doubtful += not abs(stored - np.float64(np.float32(stored))) <= HALF_PLACE * converted * abs(stored)
+        for i in range(len(row) if doubtful > 0 else 0):
             stored = row[i] * times
             if not abs(stored - np.float64(np.float32(stored))) <= converted * np.spacing(abs(stored)):
                 short = False

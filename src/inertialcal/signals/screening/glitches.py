@@ -76,7 +76,7 @@ def ranks_of(many: int) -> tuple[Indices, list[int]]:
 
     Of the quantiles of the body, of a tail, and of both ends of what it is continued from.
     """
-    at = [min(int(p * many), many - 1) for p in (*(p for p, _ in NORMAL), BODY, *_tail(many))]
+    at = [min(max(int(p * many), 0), many - 1) for p in (*(p for p, _ in NORMAL), BODY, *_tail(many))]
     ranks = sorted(set(at))
     return np.array(ranks), [ranks.index(rank) for rank in at]
 

@@ -14,6 +14,7 @@ MAD = 1.4826  # standard deviation of normal noise over the median distance from
 TYPICAL = 0.8  # of the mean step of normal noise: its median step is 0.85 of it
 FEW_BLOCKS = 8  # that changes of the noise are looked for in
 NEXT = 4  # blocks on each side of a change
+LANES, AT_ONCE = 64, 1024  # values that are looked at side by side, and while caches hold what is made of them
 STRETCH = 8, 64, 2048  # samples of a line: fewest, those that tell the noise of shorter ones, and most
 
 
@@ -47,9 +48,15 @@ def _noise_may_change(columns: Array, block: int, least: float) -> bool:
     for x in columns:
         least_sum, largest_sum, whole = np.inf, 0.0, 0.0
         for k in range(many):
-            total = 0.0
-            for i in range(k * block, (k + 1) * block):
-                total += abs(x[i + 2] - 2.0 * x[i + 1] + x[i])
+            y = x[k * block : (k + 1) * block + 2]
+            one, two, three, four = 0.0, 0.0, 0.0, 0.0
+            for i in range(0, block - 3, 4):
+                a, b, c, d, e, f = y[i], y[i + 1], y[i + 2], y[i + 3], y[i + 4], y[i + 5]
+                one, two = one + abs(c - 2.0 * b + a), two + abs(d - 2.0 * c + b)
+                three, four = three + abs(e - 2.0 * d + c), four + abs(f - 2.0 * e + d)
+            for i in range(block // 4 * 4, block):
+                one += abs(y[i + 2] - 2.0 * y[i + 1] + y[i])
+            total = (one + two) + (three + four)
             size[k], whole = total, whole + total
             least_sum, largest_sum = min(least_sum, total), max(largest_sum, total)
         if many > 0 and not (least_sum > 0.0 and largest_sum < np.inf):
@@ -212,6 +219,23 @@ def _white(part: Array) -> float:
 
 
 @compiled
+def _largest(x: Array) -> float:
+    """Return the largest of values; of none minus infinity."""
+    found = np.full(LANES, -np.inf)
+    rows = len(x) // LANES
+    for k in range(rows):
+        part = x[k * LANES : (k + 1) * LANES]
+        for i in range(LANES):
+            found[i] = part[i] if part[i] > found[i] else found[i]
+    most = -np.inf
+    for value in found:
+        most = value if value > most else most
+    for value in x[rows * LANES :]:
+        most = value if value > most else most
+    return float(most)
+
+
+@compiled
 def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
     """Return whether a step between means of so many samples may stand out of those beside it in any channel.
 
@@ -220,40 +244,48 @@ def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, ab
     """
     channels, n = columns.shape
     many, room = n // size, n // size - gap
-    means, step, widest = np.empty(many), np.empty(room), np.empty(room)
+    means, step, beside = np.empty(many), np.empty(room), np.empty(AT_ONCE)
     for channel in range(channels):
         x = columns[channel]
-        if size == 1:
-            means[:] = x
-        else:
+        if size > 1:
             for i in range(many):
                 total = 0.0
                 for value in x[i * size : (i + 1) * size]:
                     total += value
                 means[i] = total / size
-        later, largest = means[gap:], 0.0
+            x = means
+        ahead = x[gap:]
         for i in range(room):
-            step[i] = abs(later[i] - means[i])
-        for i in range(many):
-            largest = max(largest, abs(means[i]))
-        widest[:] = step  # of a step and those before it
-        for k in range(1, around):
-            for i in range(room - k):
-                widest[i + k] = max(widest[i + k], step[i])
-        most, first, last = -np.inf, gap + around, max(room - gap - around, gap + around)
-        before, here, after = widest[around - 1 :], step[first:last], widest[first + gap + around - 1 :]
-        for i in range(last - first):
-            most = max(most, here[i] - abrupt * max(before[i], after[i]))
-        for i in range(room):
+            step[i] = abs(ahead[i] - x[i])
+        largest, most, first = _largest(np.abs(x[:many])), -np.inf, gap + around
+        last = max(room - first, first)
+        for start in range(first, last, AT_ONCE):
+            m = min(AT_ONCE, last - start)
+            before, after, here, wide = step[start - first :], step[start + gap :], step[start:], beside[:m]
+            for i in range(m):
+                wide[i] = before[i] if before[i] > after[i] else after[i]
+            for k in range(1, around):
+                earlier, later = before[k:], after[k:]
+                for i in range(m):
+                    other = earlier[i] if earlier[i] > later[i] else later[i]
+                    wide[i] = wide[i] if wide[i] > other else other
+            for i in range(m):
+                wide[i] = here[i] - abrupt * wide[i]
+            most = max(most, _largest(wide))
+        i = 0
+        while i < room:
             if first <= i < last:
+                i = last
                 continue
-            beside = 0.0
+            widest = 0.0
             if i >= gap + few:
-                beside = widest[i - gap - 1]
+                for value in step[max(i - first, 0) : i - gap]:
+                    widest = max(widest, value)
             if i < room - gap - few:
-                for k in range(min(around, room - gap - i)):
-                    beside = max(beside, step[i + gap + k])
-            most = max(most, step[i] - abrupt * beside)
+                for value in step[i + gap : i + first]:
+                    widest = max(widest, value)
+            most = max(most, step[i] - abrupt * widest)
+            i += 1
         if most <= -ROUNDED * largest:
             continue
         limit, below = (most + ROUNDED * largest) * (1.0 + ROUNDED) / least, 0
