@@ -227,10 +227,26 @@ def _shape(rest: Array, free: int, sizes: NDArray[np.intp]) -> tuple[float, floa
 
 
 def _normal_p(x: Array) -> float:
-    """Return the probability of such skewness and kurtosis (D'Agostino and Pearson)."""
-    from scipy import stats  # noqa: PLC0415 - starts slowly
+    """Return the probability of such skewness and kurtosis, each turned into a normal deviate.
 
-    return float(stats.normaltest(x).pvalue)
+    D'Agostino (1970) for skewness, Anscombe and Glynn (1983) for kurtosis, as [5]_ joins them; ``scipy.stats`` has the
+    same and takes half a second to load.
+    """
+    n, away = x.size, x - x.mean()
+    second = float(np.mean(away**2))
+    skewness, kurtosis = float(np.mean(away**3)) / second**1.5, float(np.mean(away**4)) / second**2
+    y = skewness * math.sqrt((n + 1) * (n + 3) / (6.0 * (n - 2)))
+    heavy = 3.0 * (n**2 + 27 * n - 70) * (n + 1) * (n + 3) / ((n - 2.0) * (n + 5) * (n + 7) * (n + 9))
+    width = math.sqrt(2.0 * (heavy - 1.0)) - 1.0
+    skewed = math.asinh(y / math.sqrt(2.0 / (width - 1.0))) / math.sqrt(0.5 * math.log(width))
+    spread = 24.0 * n * (n - 2) * (n - 3) / ((n + 1) ** 2 * (n + 3) * (n + 5))
+    peaked = (kurtosis - 3.0 * (n - 1) / (n + 1)) / math.sqrt(spread)
+    odd = 6.0 * (n**2 - 5 * n + 2) / ((n + 7) * (n + 9)) * math.sqrt(6.0 * (n + 3) * (n + 5) / (n * (n - 2) * (n - 3)))
+    a = 6.0 + 8.0 / odd * (2.0 / odd + math.sqrt(1.0 + 4.0 / odd**2))
+    below = 1.0 + peaked * math.sqrt(2.0 / (a - 4.0))
+    root = math.copysign(((1.0 - 2.0 / a) / abs(below)) ** (1.0 / 3.0), below) if below else math.nan
+    tailed = (1.0 - 2.0 / (9.0 * a) - root) / math.sqrt(2.0 / (9.0 * a))
+    return math.exp(-0.5 * (skewed**2 + tailed**2))
 
 
 def _centre(means: Array, sizes: Array, observed: float, free: int, common: float) -> tuple[float, float, float, float]:
