@@ -11,7 +11,7 @@ from scipy import stats
 from inertialcal.core.errors import DataError
 from inertialcal.core.results import Interval
 from inertialcal.statistics.intervals import covers, t_quantile
-from inertialcal.statistics.population.scatter import Population, population
+from inertialcal.statistics.population.scatter import Population, _normal_p, population
 
 MEAN, LOWER, UPPER = 0.3, -1.0, 3.0
 # units, stations, scatter of the population, own uncertainty, its degrees of freedom, what a station shares
@@ -99,6 +99,13 @@ def test_units_that_are_not_normal_are_told() -> None:
     rng = np.random.default_rng(7)
     assert exact(rng.exponential(1.0, 400)).normal_p < 1e-6
     assert exact(rng.standard_normal(400)).normal_p > 1e-3
+
+
+@pytest.mark.parametrize("n", [30, 31, 400])
+def test_normality_is_that_of_scipy(n: int) -> None:
+    rng = np.random.default_rng(n)
+    for x in (rng.standard_normal(n), rng.exponential(size=n), rng.uniform(size=n), 3.0 + rng.standard_t(3, n)):
+        assert _normal_p(x) == pytest.approx(stats.normaltest(x).pvalue, rel=1e-10)
 
 
 def test_stations_that_differ_widen_the_mean() -> None:

@@ -24,7 +24,7 @@ from ...files.models.model_json import dump_models
 from ...procedures import procedure_names, procedure_of
 from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms_many, kind_of
 from ...procedures.protocol import Procedure, Tested
-from ...sensors.model.assemble import model_from
+from ...sensors.model.assemble import models_from
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import AxisLoop, judged, overall
@@ -342,31 +342,32 @@ def _model(
     at = [terms.axes.index(axis) for axis in axes]
     scale = _of_axes(terms.scale_factor, at) if volts is None else np.array([volts[axis] for axis in axes])
     output = terms.output_unit if volts is None else "V"
-    return model_from(
-        estimate,
-        sensor.kind,
-        axes,
-        scale_factor=scale,
-        output_unit=output,
-        chain=model_chain(sensor, axes, _recorded(campaign, sensor), output, scale),
-        source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
-        item=Item(item.maker, item.part, item.serial),
-        input_range=None if terms.input_range is None else terms.input_range[at],
-        bias_run_to_run=None if terms.bias_run_to_run is None else terms.bias_run_to_run[at],
-        not_estimated=terms.not_estimated,
-        values=terms.values,
-        references=terms.references,
-        provenance={str(key): one for key, one in terms.provenance.items()},
-        influences={name: one for name, one in campaign.standards.items() if name in drawn_on},
-        occasion=reduce(Occasion.joined, [reduced[one].occasion for one in ids]),
-        tests=(*ids, *before),
-        selections=tuple(reduced[one].selection for one in (*ids, *before)),
-        temperature_range=temperature,
-        condition=condition,
-        noise=_noise_of(terms.noise, axes),
+    given = {
+        "estimate": estimate,
+        "kind": sensor.kind,
+        "axes": axes,
+        "scale_factor": scale,
+        "output_unit": output,
+        "chain": model_chain(sensor, axes, _recorded(campaign, sensor), output, scale),
+        "source": "" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
+        "item": Item(item.maker, item.part, item.serial),
+        "input_range": None if terms.input_range is None else terms.input_range[at],
+        "bias_run_to_run": None if terms.bias_run_to_run is None else terms.bias_run_to_run[at],
+        "not_estimated": terms.not_estimated,
+        "values": terms.values,
+        "references": terms.references,
+        "provenance": {str(key): one for key, one in terms.provenance.items()},
+        "influences": {name: one for name, one in campaign.standards.items() if name in drawn_on},
+        "occasion": reduce(Occasion.joined, [reduced[one].occasion for one in ids]),
+        "tests": (*ids, *before),
+        "selections": tuple(reduced[one].selection for one in (*ids, *before)),
+        "temperature_range": temperature,
+        "condition": condition,
+        "noise": _noise_of(terms.noise, axes),
         **({} if own.pressure is None or "pressure" in terms.references else {"pressure_range": tuple(own.pressure)}),
         **({} if terms.reference_temperature is None else {"reference_temperature": terms.reference_temperature}),
-    )
+    }
+    return (yield from ask(models_from, given))
 
 
 def _noise_of(noise: Estimate | None, axes: Sequence[str]) -> Estimate | None:

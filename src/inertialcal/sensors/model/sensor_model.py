@@ -30,8 +30,9 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import MISSING, dataclass, field
+from dataclasses import fields as dataclass_fields
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -182,6 +183,30 @@ class SensorModel:
         if self.chain is not None:
             self._check_chain(self.chain)
 
+    @classmethod
+    def of_own(cls, fields: Mapping[str, object], own: tuple[Parameter, ...]) -> SensorModel:
+        """Return one of terms that were checked, read-only (`are_plain`); ranges and the chain are checked here.
+
+        Parameters
+        ----------
+        fields : mapping of str to object
+            By name; the rest by default.
+        own : tuple of Parameter
+            Its `parameters`.
+
+        Raises
+        ------
+        DataError
+            As the class.
+        """
+        found: SensorModel = object.__new__(cls)
+        found.__dict__.update({**_absent(), **fields, "parameters": own})
+        ranges = {"temperature": found.temperature_range, "pressure": found.pressure_range}
+        check_ranges(found.axes, {}, ranges)
+        if found.chain is not None:
+            found._check_chain(found.chain)
+        return found
+
     def _check_chain(self, chain: Chain) -> None:
         """Refuse a chain that gives other readings than the model takes."""
         if (chain.axes, chain.unit) != (self.axes, self.unit) or chain.scale_factor is None:
@@ -229,6 +254,16 @@ class SensorModel:
             term is None or not np.any(term)
             for term in (self.scale_factor_asymmetry, self.second_order, self.third_order)
         )
+
+
+@cache
+def _absent() -> dict[str, object]:
+    """Return what fields of a model are by default."""
+    return {
+        one.name: one.default if one.default_factory is MISSING else one.default_factory()
+        for one in dataclass_fields(SensorModel)
+        if one.default is not MISSING or one.default_factory is not MISSING
+    }
 
 
 def to_readings(model: SensorModel, output: Array) -> Array:

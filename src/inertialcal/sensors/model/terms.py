@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.key import Key
 from ...core.unit.magnitudes import CODE, LARGEST, is_possible
+from ...core.unit.magnitudes import SMALLEST as TINIEST
 from ...core.units import normalise
 from .sensitivity import HIGHEST, PARTS, Sensitivity, parameter_unit, quantity_of
 
@@ -160,25 +162,28 @@ def _value(one: Parameter, array: Array) -> float:
     return float(array[one.index])
 
 
-def with_values(arrays: Mapping[str, Array], changes: Mapping[Parameter, float]) -> dict[str, Array]:
+def with_values(arrays: Mapping[str, Array], changes: Mapping[Parameter, Array | float]) -> dict[str, Array]:
     """Return the arrays with some parameters set; the others keep their values.
 
-    A misalignment is a ratio, so a new scale factor error takes its row of the matrix along.
+    A misalignment is a ratio, so a new scale factor error takes its row of the matrix along. Of one model, or of many
+    along the first axis of arrays and values.
     """
     new = {name: np.array(array) for name, array in arrays.items()}
     at_reference = {one: value for one, value in changes.items() if one.field == "matrix" and one.index[0] == 0}
     for one, value in changes.items():
         if one not in at_reference:
-            new[one.field][one.index] = value
-    scale_errors = {one.index[1]: value for one, value in at_reference.items() if one.index[1] == one.index[2]}
-    for row, value in scale_errors.items():
-        entries = new["matrix"][0, row]
-        entries *= (1.0 + value) / entries[row]
-        entries[row] = 1.0 + value
+            at: Any = (..., *one.index)
+            new[one.field][at] = value
+    matrix = new["matrix"][..., 0, :, :] if at_reference else np.empty(0)
+    for one, value in at_reference.items():
+        _, row, column = one.index
+        if row == column:
+            matrix[..., row, :] *= np.asarray((1.0 + value) / matrix[..., row, row])[..., np.newaxis]
+            matrix[..., row, row] = 1.0 + value
     for one, value in at_reference.items():
         _, row, column = one.index
         if row != column:
-            new["matrix"][0, row, column] = value * new["matrix"][0, row, row]
+            matrix[..., row, column] = value * matrix[..., row, row]
     return new
 
 
@@ -241,22 +246,62 @@ def read_only_term(name: str, value: object, sensors: int) -> Array:
     DataError
         If its shape does not fit, or a number is not finite.
     """
-    letters = SHAPES[name]
-    sizes = {"k": sensors, "f": len(FORCE_AXES), "2": 2}
-    array = np.array(value, dtype=float)
-    if array.ndim == 0 and letters == ("k",):
-        array = np.full(sizes["k"], float(array))
-    if name == "matrix" and array.ndim == len(letters) - 1:
-        array = array[np.newaxis]
-    fits = array.ndim == len(letters) and all(
-        sizes.get(letter, length) == length and length > 0 for letter, length in zip(letters, array.shape, strict=True)
-    )
-    if not fits:
-        need = ", ".join(str(sizes.get(letter, letter)) for letter in letters)
-        raise DataError(f"{name}: shape {array.shape}, need ({need})")
+    array: Array = stacked_term(name, [value], sensors)[0]
     check_size(name, array)
     array.setflags(write=False)
     return array
+
+
+def stacked_term(name: str, each: Sequence[object], sensors: int) -> Array:
+    """Return a term of many models, given in one shape, along the first axis; as `read_only_term` takes it.
+
+    Raises
+    ------
+    DataError
+        If its shape does not fit.
+    """
+    letters = SHAPES[name]
+    sizes = {"k": sensors, "f": len(FORCE_AXES), "2": 2}
+    array = np.array(each, dtype=float)
+    if array.ndim == 1 and letters == ("k",):
+        array = np.repeat(array[:, np.newaxis], sizes["k"], axis=1)
+    if name == "matrix" and array.ndim == len(letters):
+        array = array[:, np.newaxis]
+    shape = array.shape[1:]
+    fits = len(shape) == len(letters) and all(
+        sizes.get(letter, length) == length and length > 0 for letter, length in zip(letters, shape, strict=True)
+    )
+    if not fits:
+        need = ", ".join(str(sizes.get(letter, letter)) for letter in letters)
+        raise DataError(f"{name}: shape {shape}, need ({need})")
+    return array
+
+
+def are_plain(axes: Sequence[str], terms: Mapping[str, Array]) -> bool:
+    """Return whether a look at the terms of many models, along the first axis, finds nothing to refuse.
+
+    That is what `check_axes`, `check_size`, `check_needs` but for the pressure, `check_ranges` of inputs and
+    `check_estimate` look for, where the terms were made of the values of the estimate.
+    """
+    try:
+        check_axes(tuple(axes))
+    except DataError:
+        return False
+    if not all(array.size == 0 or np.abs(array).max() <= LARGEST for array in terms.values()):
+        return False
+    diagonal = terms["matrix"][:, 0].diagonal(axis1=1, axis2=2)
+    if not (np.abs(terms["scale_factor"]) >= TINIEST).all() or not (np.abs(diagonal) >= TINIEST).all():
+        return False
+    in_temperature = "bias_temperature" in terms or terms["matrix"].shape[1] > 1
+    ends = terms.get("input_range")
+    return (
+        not (in_temperature and "reference_temperature" not in terms)
+        and ("bias_warm_up" in terms) == ("warm_up_time" in terms)
+        and not ("warm_up_time" in terms and terms["bias_warm_up"].shape[1] != terms["warm_up_time"].shape[1])
+        and not np.any(terms.get("warm_up_time", 1.0) <= 0.0)
+        and not np.any(terms.get("bias_run_to_run", 0.0) < 0.0)
+        and (ends is None or bool((ends[..., 0] <= ends[..., 1]).all()))
+    )
 
 
 def check_sensitivities(sensitivities: Sequence[Sensitivity], sensors: int) -> None:
