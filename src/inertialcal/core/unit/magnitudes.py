@@ -28,11 +28,22 @@ MOST = 1_000_000_000  # that a whole number of a setting counts
 DERIVED = 1e100  # of what was computed and is read back, like a covariance: its square is finite
 SAMPLE_RATES = (1e-10, 1e9)  # [Hz]: one sample in 300 years, all that our time holds; one a nanosecond, its step
 CODE = "impossible_value"
+FEW = 1000  # readings that are looked at once more sooner than looked up
 
 
 def is_possible(number: float) -> bool:
     """Return whether a number is finite and zero, or of a size that a quantity can have."""
     return math.isfinite(number) and (number == 0.0 or SMALLEST <= abs(number) <= LARGEST)
+
+
+def are_possible(values: NDArray[Any]) -> bool:
+    """Return whether `check_readings` refuses none of several channels, shape (k, n), all of finite readings."""
+    import numpy as np  # noqa: PLC0415 - help of a command reads quantities, and needs no arrays
+
+    if not values.size:
+        return True
+    size = np.abs(values).max(axis=1)
+    return bool(((size == 0.0) | ((size >= SMALLEST) & (size <= LARGEST))).all())
 
 
 def check_readings(name: str, values: NDArray[Any], unit: str | None, place: Callable[[int], str]) -> None:
@@ -59,6 +70,8 @@ def check_readings(name: str, values: NDArray[Any], unit: str | None, place: Cal
     from ..batches import extremes  # noqa: PLC0415 - the same
 
     if values.dtype.kind != "f" or not len(values):
+        return
+    if len(values) <= FEW and is_possible(float(np.abs(values).max())):
         return
     low, high = extremes(values)
     if not (math.isfinite(low) and math.isfinite(high)):

@@ -20,7 +20,7 @@ from ...core.remarks import Remark
 from ...core.show import tables as shown
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, ending, html, text
-from ...core.unit.magnitudes import check_readings
+from ...core.unit.magnitudes import are_possible, check_readings
 from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader, lines_of, sign_of
@@ -40,12 +40,14 @@ class NumberCells(Sequence[str]):
     Parameters
     ----------
     stored : ndarray, shape (n,)
-        The numbers; ``values`` are the same as float64.
+        The numbers.
+    values : ndarray, shape (n,)
+        The same as float64.
     """
 
-    def __init__(self, stored: Numbers) -> None:
+    def __init__(self, stored: Numbers, values: Array) -> None:
         self._stored = stored
-        self.values: Array = stored.astype(np.float64)
+        self.values = values
 
     @cached_property
     def _texts(self) -> tuple[str, ...]:
@@ -188,6 +190,20 @@ class Table:
         check_readings(self.names[at], values, self.unit(name), self.where)
         return values
 
+    def columns(self, names: Sequence[str]) -> Array:
+        """Numbers of several columns, shape (k, n), each as `numbers` gives it.
+
+        Raises
+        ------
+        DataError
+            As `numbers`.
+        """
+        cells = [self.cells[self.index(name)] for name in names]
+        found = np.array([one.values for one in cells if isinstance(one, NumberCells)])
+        if len(found) == len(names) > 0 and are_possible(found):
+            return found
+        return np.array([self.numbers(name) for name in names]).reshape(len(names), len(self))
+
     def _refuse_grouped(self, at: int) -> None:
         """Refuse ``1,242`` where it is 1242, or where nothing in the file says that it is 1.242."""
         said = commas(self.cells[at])
@@ -279,15 +295,19 @@ def topics_of(path: str | Path) -> tuple[str, ...]:
 def table_of_content(content: Content, source: Source) -> Table:
     """Return a binary format's columns as text, with full digits."""
     cells: list[Sequence[str]] = []
-    for column in content.columns:
-        if column.values.dtype.kind in "fiu" and not len(column.empty) and np.isfinite(column.values).all():
-            cells.append(NumberCells(column.values))
+    of_numbers = [i for i, one in enumerate(content.columns) if one.values.dtype.kind in "fiu" and not len(one.empty)]
+    values = np.array([content.columns[i].values for i in of_numbers], dtype=np.float64)
+    finite = np.isfinite(values).all(axis=-1).tolist() if of_numbers else []
+    known = {i: row for i, row, whole in zip(of_numbers, values, finite, strict=True) if whole}
+    for i, column in enumerate(content.columns):
+        if i in known:
+            cells.append(NumberCells(column.values, known[i]))
             continue
         if column.values.dtype.kind == "O" and not len(column.empty):
             cells.append(tuple(column.values.tolist()))
             continue
         gone = set(column.empty.tolist())
-        cells.append(tuple("" if i in gone else str(v) for i, v in enumerate(column.values.tolist())))
+        cells.append(tuple("" if at in gone else str(v) for at, v in enumerate(column.values.tolist())))
     return Table(
         names=tuple(column.name for column in content.columns),
         cells=tuple(cells),

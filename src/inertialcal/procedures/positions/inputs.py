@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
@@ -346,9 +347,14 @@ def _read_tables(sources: Sequence[Source]) -> Readings:
         what = "no column of scatters: the noise inside positions is unknown, and taken as zero"
         remarks.append(Remark("no_scatter", "info", what, source.file, do="Name one acc_x_std, and samples"))
     # As the campaign names the file: results must not depend on where a folder lies
-    where = tuple(f"{source.file}:{row}" for row in table.rows)
+    where = _places(source.file, tuple(table.rows.tolist()))
     remarks_of_all = (*table.remarks, *remarks)
     return Readings(triads["accelerometer"], triads.get("gyro"), (), direction, where=where, remarks=remarks_of_all)
+
+
+@lru_cache(maxsize=16)  # the same of all units of a lot
+def _places(file: str, rows: tuple[int, ...]) -> tuple[str, ...]:
+    return tuple([f"{file}:{row}" for row in rows])
 
 
 def _check_lengths(table: Table, columns: Mapping[str, str], size: Array) -> None:
@@ -379,30 +385,32 @@ def _check_lengths(table: Table, columns: Mapping[str, str], size: Array) -> Non
 def _triad(source: Source) -> Triad:
     table, rests = source.table(), cast("Rests", _entry(source).rests)
     raw = kind(source.facts.si) in ("count", "voltage")  # its scale factor is to be found
-
-    def column(name: str | None, least: float, absent: float) -> Array:
-        if name is None:
-            return np.full(len(table), absent)
-        found = table.numbers(name)
-        wrong = ~(found >= least)
-        if wrong.any():
-            what = f"column {name!r}: {found[wrong][0]:g}, need {least:g} or more"
-            raise DataError(what, table.where(int(np.argmax(wrong))), code="wrong_value")
-        return np.asarray(found, dtype=np.float64)
-
     reading, scatters = ({str(axis): n for axis, n in one.items()} for one in (rests.reading, rests.scatter or {}))
-    mean, scatter = np.empty((len(table), 3)), np.empty((len(table), 3))
-    for k, axis in enumerate(AXES):
-        own = np.asarray(table.numbers(reading[axis]), dtype=np.float64)
-        missing = ~np.isfinite(own)
-        if missing.any():
-            what = f"column {reading[axis]!r}: the reading of this position is missing"
-            raise DataError(what, table.where(int(np.argmax(missing))), do="Leave the row out", code="nan_in_required")
-        mean[:, k] = convert(own, rests.unit, source.facts.si) if raw else source.in_si(own, rests.unit, axis)
-        scale = factor(rests.unit, source.facts.si) if raw else source.factor(rests.unit, axis)
-        scatter[:, k] = column(scatters.get(axis), 0.0, 0.0) * scale
-    count = column(rests.samples, 1.0, 1.0)
-    return Triad(mean, scatter, np.repeat(count[:, None], len(AXES), axis=1), source.facts.si, count)
+    # column -> its least value, and the value where it is not named
+    wanted = [*((scatters.get(axis), 0.0, 0.0) for axis in AXES), (rests.samples, 1.0, 1.0)]
+    own = [reading[axis] for axis in AXES]
+    numbers = table.columns([*own, *(name for name, *_ in wanted if name is not None)])
+    missing = ~np.isfinite(numbers[:3])
+    if missing.any():
+        axis, row = np.argwhere(missing)[0].tolist()
+        what = f"column {own[axis]!r}: the reading of this position is missing"
+        raise DataError(what, table.where(row), do="Leave the row out", code="nan_in_required")
+    spread, rest = np.empty((len(wanted), len(table))), iter(numbers[3:])
+    for k, (name, least, absent) in enumerate(wanted):
+        spread[k] = absent if name is None else next(rest)
+        if name is not None and not (spread[k] >= least).all():
+            row = int(np.argmin(spread[k] >= least))
+            what = f"column {name!r}: {spread[k, row]:g}, need {least:g} or more"
+            raise DataError(what, table.where(row), code="wrong_value")
+    if raw:
+        mean = convert(numbers[:3], rests.unit, source.facts.si)
+        scale = np.array([factor(rests.unit, source.facts.si)] * 3)
+    else:
+        mean = np.array([source.in_si(one, rests.unit, axis) for one, axis in zip(numbers[:3], AXES, strict=True)])
+        scale = np.array([source.factor(rests.unit, axis) for axis in AXES])
+    columns = np.ascontiguousarray(mean.T), np.ascontiguousarray((spread[:3] * scale[:, None]).T)
+    count = spread[3].copy()
+    return Triad(*columns, np.repeat(count[:, None], len(AXES), axis=1), source.facts.si, count)
 
 
 def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
