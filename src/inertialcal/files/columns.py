@@ -19,9 +19,12 @@ Rows = NDArray[np.int64]
 T = TypeVar("T")
 
 
+NO_ROWS: Rows = np.empty(0, dtype=np.int64)
+
+
 def no_rows() -> Rows:
     """Return the index of no row at all."""
-    return np.empty(0, dtype=np.int64)
+    return NO_ROWS
 
 
 @dataclass(frozen=True, eq=False)

@@ -376,7 +376,8 @@ class Delivery:
         first, stop = min(one.start for one in parts.values()), max(one.stop for one in parts.values())
         every = table.slice(first, stop - first).drop_columns([shared.serial]).combine_chunks()
         own = [range(one.start - first, one.stop - first) for one in parts.values()]
-        paths = [str(self.root(number) / shared.file) for number in parts]
+        name = str(Path(shared.file))
+        paths = [os.path.join(self._root(number), name) for number in parts]
         refused: dict[int, DataError] = {}
         try:
             contents = list(contents_of(every, own, paths))
@@ -437,7 +438,10 @@ class Delivery:
 
     def root(self, number: int) -> Path:
         """Return the folder in which the recordings of a unit lie."""
-        return Path(self.place.store) if self.temporary is None else Path(self.temporary.name) / str(number)
+        return Path(self._root(number))
+
+    def _root(self, number: int) -> str:
+        return self.place.store if self.temporary is None else os.path.join(self.temporary.name, str(number))
 
     def lay_out(self, number: int, files: Sequence[str]) -> None:
         """Lay out the files that a unit has for itself.
@@ -447,7 +451,7 @@ class Delivery:
         DataError
             ``unreachable``; one that is not there is told where it is read.
         """
-        if self.temporary is None:
+        if self.temporary is None or not files:
             return
         root = self.root(number)
         system, store = self.place.opened()

@@ -153,19 +153,17 @@ def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> I
             if types.is_dictionary(field.type) and (column := _labels(flat.column(i), field)) is not None:
                 whole[i] = column
     metadata = table.schema.metadata or {}
+    others = [(i, field) for i, field in enumerate(flat.schema) if i not in whole]
     for part, path in zip(parts, paths, strict=True):
+        columns = {i: _rows_of(column, part) for i, column in whole.items()}
         try:
-            with as_data_errors(path, "a Parquet file"):
-                columns = [
-                    _rows_of(whole[i], part)
-                    if i in whole
-                    else arrow_column(flat.column(i).slice(part.start, len(part)), field, path)
-                    for i, field in enumerate(flat.schema)
-                ]
+            for i, field in others:
+                with as_data_errors(path, "a Parquet file"):
+                    columns[i] = arrow_column(flat.column(i).slice(part.start, len(part)), field, path)
         except DataError as error:
             yield error
         else:
-            yield _content(columns, metadata, path)
+            yield _content([columns[i] for i in range(len(columns))], metadata, path)
 
 
 def _labels(values: ChunkedArray, field: Field) -> Column | None:

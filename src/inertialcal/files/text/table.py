@@ -297,7 +297,7 @@ def table_of_content(content: Content, source: Source) -> Table:
     cells: list[Sequence[str]] = []
     of_numbers = [i for i, one in enumerate(content.columns) if one.values.dtype.kind in "fiu" and not len(one.empty)]
     values = np.array([content.columns[i].values for i in of_numbers], dtype=np.float64)
-    finite = np.isfinite(values).all(axis=-1).tolist() if of_numbers else []
+    finite: list[bool] = [*np.isfinite(values).all(axis=-1)] if of_numbers else []
     known = {i: row for i, row, whole in zip(of_numbers, values, finite, strict=True) if whole}
     for i, column in enumerate(content.columns):
         if i in known:

@@ -51,6 +51,7 @@ CLEARLY = 1.5  # error of gravity in positions left out over another, from which
 WIDE_INTERVAL = 0.05  # half of an interval of 95 %, over gravity or the scale factor
 STATE_A_PRIOR = 'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...'
 PRIOR_UNIT = {"misalignment": "rad", "scale_factor_error": "", "bias": "m/s^2"}
+WIDEST = 12.71  # t of 97.5 % with one degree of freedom
 ALONE = 0.8  # leverage of a position on which some combination rests
 
 
@@ -64,7 +65,10 @@ def check_units(readings: Readings, gravity: float) -> None:
     """
     if readings.acc.unit != "m/s^2":
         return
-    size = float(np.median(np.linalg.norm(readings.acc.mean, axis=1)))
+    sizes = np.sqrt(np.einsum("ij,ij->i", readings.acc.mean, readings.acc.mean))
+    if 0.5 * gravity < sizes.min() and sizes.max() < 1.5 * gravity:
+        return
+    size = float(np.median(sizes))
     if 0.5 * gravity < size < 1.5 * gravity:
         return
     slips = {"g": 1.0, "mg": 1000.0, "ft/s2": gravity / 0.3048, "cm/s2": 100.0 * gravity}
@@ -325,6 +329,8 @@ def _hardly_determined(result: Result) -> list[Remark]:
     """Return the remark that intervals are wider than anybody needs: a data sheet knows more."""
     one, g = result.estimates.get("accelerometer"), local_gravity(result.plan)
     if one is None or result.acc.known:
+        return []
+    if float(one.u.max()) * WIDEST < WIDE_INTERVAL * min(g, 1.0) and float(one.dof.min()) >= 1.0:
         return []
     half = stdtrit(one.dof, 0.975) * one.u
     wide = [

@@ -15,7 +15,8 @@ import numpy as np
 from scipy import linalg
 
 from ...core.curve import Column, Curve
-from ...core.estimate import Array, Component, Estimate, joined_dof
+from ...core.errors import DataError
+from ...core.estimate import Array, Estimate, Sources
 from ...core.key import AXES, Key, Kind, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import normalise
@@ -293,19 +294,17 @@ def _estimates(sensors: Sequence[LinearSensor], kind: Kind, output_unit: str) ->
     if not determined or not each[0]:
         return [None] * count
     by_numbers = derivative[:, determined]
-    components = [_components([own[s] for own in each], by_numbers) for s in range(len(each[0]))]
+    sources = [_joint_source([own[s] for own in each], by_numbers) for s in range(len(each[0]))]
     keys, known_units = tuple(names[k] for k in determined), tuple(normalise(units[k]) for k in determined)
-    own_components = [*zip(*components, strict=True)]
-    variances = [np.array([one.covariance.diagonal() for one in own]).ravel() for own in components]
-    dofs = [np.array([np.broadcast_to(one.dof, len(keys)) for one in own]).ravel() for own in components]
-    joined = joined_dof(variances, dofs).reshape(count, -1)
-    made = [Estimate(keys, values[k, determined], known_units, own) for k, own in enumerate(own_components)]
-    for one, dof in zip(made, joined, strict=True):
-        one.__dict__["dof"] = dof
+    made = []
+    for one in Estimate.of_each([keys] * count, values[:, determined], [known_units] * count, sources):
+        if isinstance(one, DataError):
+            raise one
+        made.append(one)
     return made
 
 
-def _components(sources: Sequence[Source], by_numbers: Array) -> list[Component]:
+def _joint_source(sources: Sequence[Source], by_numbers: Array) -> Sources:
     """Return one source of the figures of many sensors, by its source of the numbers of each.
 
     Parameters
@@ -321,26 +320,22 @@ def _components(sources: Sequence[Source], by_numbers: Array) -> list[Component]
     size = np.sum((size_of @ np.abs(covariance)) * size_of, axis=2)
     moved = whole.diagonal(axis1=1, axis2=2) > ROUNDING * size  # else by rounding alone
     covariances = np.where(moved[:, :, None] & moved[:, None], 0.5 * (whole + whole.swapaxes(1, 2)), 0.0)
-    least: Sequence[Array | float] = [np.inf if np.ndim(one.dof) else float(one.dof) for one in sources]
+    own, least = {np.inf if np.ndim(one.dof) else float(one.dof) for one in sources}, np.empty(0)
     if np.ndim(first.dof):
         parts = by_numbers**2 * covariance.diagonal(axis1=1, axis2=2)[:, None]
         matters = (by_numbers != 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=2, keepdims=True))
         dof = np.array([one.dof for one in sources], dtype=float)
-        least = [*np.where(matters, dof[:, None], np.inf).min(axis=2)]
+        least = np.where(matters, dof[:, None], np.inf).min(axis=2)
+    elif len(own) > 1:
+        least = np.repeat([[float(one.dof)] for one in sources], by_numbers.shape[1], axis=1)
     known = first.off or first.influence
     stated = None if known is None else known.stated
     distribution = "t" if known is None else known.distribution
     kind: Literal["A", "B"] = "B" if first.kind == "B" else "A"
     origin = first.origin
-    changes: Sequence[Array | None] = [None] * len(sources)
-    if first.changes is not None:
-        changes = [*(np.array([one.changes for one in sources]) @ back)]
-    return [
-        Component(origin, kind, *each, stated, one, first.unknowns)
-        for each, one in zip(
-            ((c, dof, distribution) for c, dof in zip(covariances, least, strict=True)), changes, strict=True
-        )
-    ]
+    changes = None if first.changes is None else np.array([one.changes for one in sources]) @ back
+    return Sources(origin, kind, covariances, least if least.size else own.pop(), distribution, stated, changes,
+                   first.unknowns)  # fmt: skip
 
 
 def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
