@@ -297,8 +297,8 @@ def table_of_content(content: Content, source: Source) -> Table:
     cells: list[Sequence[str]] = []
     of_numbers = [i for i, one in enumerate(content.columns) if one.values.dtype.kind in "fiu" and not len(one.empty)]
     values = np.array([content.columns[i].values for i in of_numbers], dtype=np.float64)
-    finite: list[bool] = [*np.isfinite(values).all(axis=-1)] if of_numbers else []
-    known = {i: row for i, row, whole in zip(of_numbers, values, finite, strict=True) if whole}
+    finite = np.flatnonzero(np.isfinite(values).all(axis=1)) if of_numbers else ()
+    known = {of_numbers[k]: values[k] for k in finite}
     for i, column in enumerate(content.columns):
         if i in known:
             cells.append(NumberCells(column.values, known[i]))
