@@ -47,9 +47,9 @@ from .linear_sensor import (
     Observability,
     Source,
     many_level_sources,
-    observe,
     observe_many,
     propagated,
+    told_by,
 )
 from .next_record import Wander
 from .outliers import many_outliers
@@ -160,7 +160,7 @@ def _fit_known(
     _check_count(m)
     r, inside = normalised(triad, ideal, zero)
     tilts, everyone = tilts_of(direction, plan.standards), np.ones(m, dtype=bool)
-    observed = observe(tilts.design, (*MATRIX, *BIAS), float(np.sqrt(np.mean(inside))) / g)
+    (observed,) = told_by(*tilts.decomposed, (*MATRIX, *BIAS), np.array([np.sqrt(np.mean(inside)) / g]))
     scale, usual = np.concatenate([np.ones(9), np.full(3, g)]), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
     back = scale[:, None] * observed.kept
     if not observed.rank or not judged(tilts, observed.rank):

@@ -44,7 +44,7 @@ from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.key import AXES
 from ._kernels_fixture import lay
-from .linear_sensor import HIDDEN, Source, dof_of_each, propagated
+from .linear_sensor import HIDDEN, Source, decomposed, dof_of_each, propagated
 from .outliers import FREE
 from .rotations import across
 from .variance_components import Components, Shared, components_of, fit_components
@@ -61,6 +61,8 @@ SAME = 1e-6  # difference of directions that are one face
 ROUNDS, FEW_ROUNDS, MANY = 12, 4, 60  # of linearisation; fewer for so many positions
 SETTLED = 1e-9  # of gravity
 CONTRADICTED = 0.001  # risk of calling a stated face error too small
+SUSPECTED = 2.0  # twice the gain of a larger one, from which it is found; 9.5 contradicts
+WELL_TOLD = 1e-6  # determinant over the cube of the mean variance, from which a block of three has an inverse
 
 Flags = NDArray[np.bool_]
 
@@ -94,6 +96,11 @@ class Tilts:
     def design(self) -> Array:
         """Derivatives of the readings by A and b, for a gravity of one, shape (3 m, 12)."""
         return derivatives(self.direction)
+
+    @cached_property
+    def decomposed(self) -> tuple[Array, Array]:
+        """Singular values and directions of it, shapes (1, 12) and (1, 12, 12)."""
+        return decomposed(self.design[None])
 
     @cached_property
     def lengths(self) -> int:
@@ -188,7 +195,7 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
     if FACE not in tilts.stated:
         return found
     free = tilts.free
-    if not judged(free, kept.shape[1]):
+    if not judged(free, kept.shape[1]) or not _may_be_larger(found, found.known[FACE]):
         return found
     other = _fit(r, inside, g, free, kept)
     square = tilts.stated[FACE].u ** 2
@@ -203,6 +210,31 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
     if other.assumed and np.all(inside > 0.0):
         widened = max(1.0, other.hidden / float(np.mean(_hidden(inside, other.hidden)[0])))
     return replace(other, contradicted=True, widened=widened)
+
+
+def _may_be_larger(laid: Laid, faces: Array) -> bool:
+    """Tell whether the readings may contradict the stated face error, by the slope of the likelihood there.
+
+    The square of the slope over its information is about twice what the likelihood gains by a larger error, or more:
+    far below what contradicts, nothing is gained by a fit that finds the error.
+
+    Parameters
+    ----------
+    laid : Laid
+        With the stated error.
+    faces : ndarray, shape (3 m, 3 m)
+        Covariance of the readings by it.
+    """
+    found = laid.found
+    P, pull = found.projector, found.projector @ laid.readings
+    slope = 0.5 * float(pull @ faces @ pull - np.sum(P * faces))
+    if slope <= 0.0:
+        return False
+    moved = [P @ one for one in (faces, *found.patterns.values())]
+    information = np.array([[0.5 * np.sum(one * other.T) for other in moved] for one in moved])
+    beside = information[1:, 0]
+    own = float(information[0, 0] - beside @ np.linalg.pinv(information[1:, 1:]) @ beside)
+    return slope**2 > SUSPECTED * max(own, 0.0)
 
 
 def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
@@ -375,7 +407,10 @@ def fit_agreeing(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array, r
         P, pull = laid.found.projector, (laid.found.projector @ laid.readings).reshape(-1, 3)
         every = np.arange(len(pull))
         blocks = P.reshape(len(pull), 3, -1, 3)[every, :, every]
-        ratios = np.einsum("ki,kij,kj->k", pull, np.linalg.pinv(blocks, rcond=1e-9), pull)
+        mean = blocks.trace(axis1=1, axis2=2) / 3.0
+        plain = (np.linalg.det(blocks) > WELL_TOLD * mean**3).all()
+        inverse = np.linalg.inv(blocks) if plain else np.linalg.pinv(blocks, rcond=1e-9)
+        ratios = np.einsum("ki,kij,kj->k", pull, inverse, pull)
         if ratios.max() < STANDS_OUT:
             break
         worst = int(np.flatnonzero(rest)[np.argmax(ratios)])

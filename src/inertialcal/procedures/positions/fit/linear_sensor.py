@@ -368,10 +368,28 @@ def observe_many(
     smallest: float = SMALLEST,
 ) -> list[Observability]:
     """Return what `observe` gives of each of many scaled Jacobians, shape (sets, n, p); ``scatter``, shape (sets,)."""
+    return told_by(*decomposed(scaled), names, scatter, useless, takes_part, smallest)
+
+
+def decomposed(scaled: Array) -> tuple[Array, Array]:
+    """Return singular values and directions of scaled Jacobians, shape (sets, n, p), as many as columns."""
     sets, n, p = scaled.shape
     padded = scaled if n >= p else np.concatenate([scaled, np.zeros((sets, p - n, p))], axis=1)
     sizes, directions = np.linalg.svd(padded, full_matrices=False)[1:]
-    found = []
+    return sizes, directions
+
+
+def told_by(
+    sizes: Array,
+    directions: Array,
+    names: Sequence[Key],
+    scatter: Array,
+    useless: float = USELESS,
+    takes_part: float = TAKES_PART,
+    smallest: float = SMALLEST,
+) -> list[Observability]:
+    """Return what `observe_many` gives of Jacobians that are `decomposed`."""
+    found, p = [], sizes.shape[1]
     for s, rows, good in zip(sizes, directions, can_tell(sizes, scatter, useless, smallest), strict=True):
         if good.all():
             every = np.ones(p, dtype=bool)
