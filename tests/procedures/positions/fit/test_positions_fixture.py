@@ -10,6 +10,7 @@ import pytest
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
+from inertialcal.procedures.positions.fit import fixture
 from inertialcal.procedures.positions.fit.fixture import ASSUMED, FACE, LAYING
 from inertialcal.procedures.positions.reduction import Plan, Readings, Result, Triad, Truth, reduce, simulate
 from inertialcal.procedures.positions.simulation import FACES
@@ -114,6 +115,24 @@ def test_what_is_stated_is_taken_as_stated_unless_the_faces_contradict_it() -> N
     assert "face_error_disagrees" not in {one.code for one in right.remarks}
     assert "face_error_disagrees" in {one.code for one in small.remarks}
     assert figures(small)["misalignment_xy"] == figures(reduce(plan(), laid(tilts, 2)))["misalignment_xy"]
+
+
+def test_a_larger_face_error_is_looked_for_wherever_it_would_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The slope of the likelihood at the stated error decides as the fit that finds the error does."""
+    given = [
+        (plan(orientation=size * DEGREE, **more), laid(0.5 * DEGREE * rng.standard_normal((6, 3)), repeats))
+        for size in (0.05, 0.15, 0.25, 0.3, 0.35, 0.5, 2.0)
+        for repeats, more in ((1, {}), (2, {}), (3, {"repeatability": 0.01 * DEGREE}))
+        for rng in map(np.random.default_rng, range(3))
+    ]
+    quick = [reduce(*one) for one in given]
+    monkeypatch.setattr(fixture, "_may_be_larger", lambda laid, faces: True)
+    always = [reduce(*one) for one in given]
+    assert [figures(one) for one in quick] == [figures(one) for one in always]
+    told = [{one.code for one in result.remarks} for result in always]
+    assert [{one.code for one in result.remarks} for result in quick] == told
+    contradicted = ["face_error_disagrees" in codes for codes in told]
+    assert 0 < sum(contradicted) < len(contradicted)
 
 
 def test_a_laying_repeats_as_well_as_is_stated_or_found() -> None:
