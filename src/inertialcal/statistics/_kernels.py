@@ -58,7 +58,7 @@ class _Cache(FunctionCache):
 
 def _compiler(**options: Any) -> Callable[[F], F]:
     def decorate(function: F) -> F:
-        found = numba.njit(nogil=True, error_model="numpy", **options)(function)
+        found = numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
         if isinstance(found, Dispatcher):  # which it is not under NUMBA_DISABLE_JIT
             with suppress(RuntimeError, OSError):  # no folder can be written
                 found._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]

@@ -21,9 +21,10 @@ GROWTH = 8.0  # lengths of neighbouring panels beyond
 KINKS = 6  # of each pair, both ends among them
 ONE_SIDED = 0.95  # of an upper limit
 SURE = 2.5758293035489004  # a term of a size that is named in 99.5 % of records is not missed
-FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
+FURTHEST = 2.0**19  # standard uncertainties: beyond, there is no limit
+POWER, TIME, LIMIT, MISSED = range(4)  # what a root is looked for of, see `root_of`
 STEEP = 1e6  # rise of the cost that is not looked into
-MOST_ROOTS, EXACT = 100, 4.0 * float(np.finfo(float).eps)  # steps towards a root; relative, closer than which none goes
+MOST_ROOTS, EXACT = 200, 4.0 * float(np.finfo(float).eps)  # steps towards a root; relative, closer than which none goes
 MOST_SWEEPS, NO_ANGLE = 30, 1e-34  # of rotations; relative square of the elements that they leave
 HALF_ROOT = float(np.sqrt(0.5))
 
@@ -66,7 +67,7 @@ def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
         x[i] *= T[i, p]
 
 
-@compiled
+@inlined
 def _fill_equations(rows: Array, weighted: Array, rest: Array, p: int, A: Array, b: Array) -> None:
     """Fill p rows of D' W D and D' W rest, where D (``rows``) and W D have their columns filled up to whole eights."""
     wide, k = len(b), len(rest)
@@ -89,12 +90,12 @@ def _fill_equations(rows: Array, weighted: Array, rest: Array, p: int, A: Array,
             store(A, (i + 3) * wide + j, four)
 
 
-@compiled
-def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool) -> float:
+@inlined
+def scored(D: Array, data: Array, held: int, value: float, v: Array, warm: bool) -> float:
     """Fill v >= 0 of least cost for mu = D v, v[held] at its value (held -1 for none); return the cost.
 
     Fisher scoring: weighted least squares, weights w / mu^2, steps halved where the cost would rise. It starts from
-    v where warm, else from the data.
+    v where warm, else from the ``data``, whose rows are what was found, s, and the weights, w.
     """
     k, p = D.shape
     wide, long = -(-p // LANES) * LANES, -(-k // LANES) * LANES
@@ -103,7 +104,7 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
     for t in range(k):
         for i in range(p):
             rows[t * wide + i] = columns[i * long + t] = D[t, i]
-        rest[t] = s[t] - (value * D[t, held] if held >= 0 else 0.0)
+        rest[t] = data[0, t] - (value * D[t, held] if held >= 0 else 0.0)
     if held >= 0:
         v[held] = value
     for t in range(k):
@@ -113,11 +114,11 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
         warm = warm and mu[t] > 0.0
     if not warm:
         for t in range(k):
-            mu[t] = s[t]
+            mu[t] = data[0, t]
     cost = np.inf
     for _ in range(MOST_STEPS):
         for t in range(k):
-            weight = eight(w[t] / (mu[t] * mu[t]))
+            weight = eight(data[1, t] / (mu[t] * mu[t]))
             for i in range(t * wide, (t + 1) * wide, LANES):
                 store(weighted, i, times(weight, load(rows, i)))
         _fill_equations(rows, weighted, rest, p, A.ravel(), b)
@@ -136,7 +137,7 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
                 store(mu, t, mean)
             trial = 0.0
             for t in range(k):
-                trial += w[t] * (np.log(mu[t]) + s[t] / mu[t]) if mu[t] > 0.0 else np.inf
+                trial += data[1, t] * (np.log(mu[t]) + data[0, t] / mu[t]) if mu[t] > 0.0 else np.inf
         if not trial < cost:
             break
         for i in range(p):
@@ -144,63 +145,68 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
         gained, cost = cost - trial, trial
         if gained <= CONVERGED:
             break
-    return float(cost)
+    return cost
 
 
 @compiled
-def score_each(D: Array, s: Array, w: Array, wanted: NDArray[np.bool_], powers: Array, costs: Array) -> None:
-    """Fill the powers of least cost of choices of columns, a row each, and those costs."""
-    for i in range(len(wanted)):
-        at = np.flatnonzero(wanted[i])
-        own, v = np.empty((len(D), len(at))), np.zeros(len(at))
-        for j in range(len(at)):
-            for t in range(len(D)):
-                own[t, j] = D[t, at[j]]
-        costs[i] = scored(own, s, w, -1, 0.0, v, False)
-        for j in range(len(at)):
-            powers[i, at[j]] = v[j]
+def fit_of(
+    columns: Array, table: Array, data: Array, wanted: NDArray[np.bool_], at: int, value: float, lo: float, hi: float,
+    spacings: Array, powers: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Fill the powers of least cost of a choice of terms; return the position of the correlation time, and the cost.
 
-
-@compiled
-def searched(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
-) -> tuple[float, float]:
-    """Fill v of least cost, the last column of D interpolated in the table (cubic); return the best position, the cost.
-
-    Positions from lo to hi are tried at the first spacing, then about the best at the next ones, and each time that
-    where the parabola through the best and its neighbours is lowest.
+    One of the powers is held ``at`` a value, none where that is -1. Gauss-Markov noise, the last of all, is interpolated
+    in the table (cubic). Positions from lo to hi are tried at the first spacing, then about the best at the next ones,
+    and each time that where the parabola through the best and its neighbours is lowest.
     """
-    k, p = D.shape
-    powers, costs = np.zeros(p), np.empty(int((hi - lo) / spacings[0]) + 9)
-    best, least, warm = lo, np.inf, False
-    for level in range(len(spacings)):
-        start, count = lo, int(np.ceil((hi - lo) / spacings[0])) + 1
+    k, p = columns.shape
+    q, held = 0, -1
+    D = np.zeros((k, p + 1))
+    for i in range(p + 1):
+        if wanted[i]:
+            held = q if i == at else held
+            for t in range(k if i < p else 0):
+                D[t, q] = columns[t, i]
+            q += 1
+    D, v, tried = D[:, :q].copy(), np.zeros(q), np.zeros(q)
+    looks = 0 if not wanted[p] else len(spacings) if hi > lo else 1
+    every = int(np.ceil((hi - lo) / spacings[0])) + 1 if looks > 0 else 1
+    costs = np.empty(every + 8)
+    best, least, warm = lo if looks > 0 else 0.0, np.inf, False
+    for level in range(max(looks, 1)):
+        start, count, lowest = lo, every, 0
         if level > 0:
             start, count = best - 3.0 * spacings[level], 7
-        lowest = 0
         for i in range(count + min(level, 1)):
-            at = float(i)
-            if i == count:
-                middle = min(max(lowest, 1), count - 2)
-                left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
-                at = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else lowest
-            position = min(max(start + at * spacings[level], lo), hi)
-            first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
-            x = position - first
-            a, b = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0
-            c, d = -x * (x - 1.0) * (x - 3.0) / 2.0, x * (x - 1.0) * (x - 2.0) / 6.0
-            for t in range(k):
-                D[t, p - 1] = (
-                    a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t] + d * table[first + 3, t]
-                )
-            costs[i] = scored(D, s, w, held, value, powers, warm)
+            position = 0.0
+            if looks > 0:
+                place = float(i)
+                if i == count:
+                    middle = min(max(lowest, 1), count - 2)
+                    left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
+                    place = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else float(lowest)
+                position = min(max(start + place * spacings[level], lo), hi)
+                first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
+                x = position - first
+                a, b = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0
+                c, d = -x * (x - 1.0) * (x - 3.0) / 2.0, x * (x - 1.0) * (x - 2.0) / 6.0
+                for t in range(k):
+                    D[t, q - 1] = (
+                        a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t]
+                        + d * table[first + 3, t]
+                    )  # fmt: skip
+            costs[i] = cost = scored(D, data, held, value, tried, warm)
             warm = True
-            if costs[i] < costs[lowest]:
+            if cost < costs[lowest]:
                 lowest = i
-            if costs[i] < least:
-                best, least = position, costs[i]
-                for j in range(p):
-                    v[j] = powers[j]
+            if cost < least or looks == 0:
+                best, least = position, cost
+                for j in range(q):
+                    v[j] = tried[j]
+    q = 0
+    for i in range(p + 1):
+        powers[i] = v[q] if wanted[i] else 0.0
+        q += int(wanted[i])
     return best, least
 
 
@@ -252,35 +258,37 @@ def panel(lo: float, size: float, distance: Array, weight: Array, n: int) -> int
 
 @compiled
 def fill_spread(
-    powers: Array, squares: Array, row: Indices, column: Indices, run: Indices, found: NDArray[np.bool_],
-    lost: Array, by: Array, doubt: Array, hidden: float, shape: float, left: Array, tau: Array, alike: float,
-    sigma: Array,
+    powers: Array, squares: Array, pairs: Indices, runs: Indices, parts: Array, doubt: Array, hidden: float,
+    shape: float, left: Array, tau: Array, alike: float, sigma: Array,
 ) -> None:  # fmt: skip
     """Fill the covariance of the Allan variances of runs that powers of terms give, see ``fitting.spread``.
 
-    What terms leave unexplained, ``left``, is common to averaging times that differ by no more than a share ``alike``.
+    What terms leave unexplained, ``left``, is common to averaging times that differ by no more than a share ``alike``;
+    it is none where it begins with zero.
     """
-    k, pairs, q = len(run), len(row), len(powers)
-    total, taken, more = np.zeros(pairs), np.zeros(k), np.ones(k)
+    k, count, q = len(sigma), pairs.shape[1], len(powers)
+    total, taken, more = np.zeros(count), np.zeros(k), np.ones(k)
     at = 0
     for i in range(q):
         for j in range(i + 1):
             both = powers[i] * powers[j]
             if both != 0.0:
-                for t in range(pairs):
+                for t in range(count):
                     total[t] += both * squares[at, t]
             at += 1
-    sigma[:] = 0.0
-    for t in range(pairs):
-        sigma[row[t], column[t]] = sigma[column[t], row[t]] = total[t]
     for t in range(k):
-        deviation, of = np.sqrt(sigma[t, t]), run[t]
+        for r in range(k):
+            sigma[t, r] = 0.0
+    for t in range(count):
+        sigma[pairs[0, t], pairs[1, t]] = sigma[pairs[1, t], pairs[0, t]] = total[t]
+    for t in range(k):
+        deviation, of = np.sqrt(sigma[t, t]), runs[0, t]
         level = slope = 0.0
         for i in range(q):
-            taken[t] += powers[i] * lost[i, t]
-            level += powers[i] * by[i, t, 0]
-            slope += powers[i] * by[i, t, 1]
-        if not found[of]:
+            taken[t] += powers[i] * parts[i, t, 0]
+            level += powers[i] * parts[i, t, 1]
+            slope += powers[i] * parts[i, t, 2]
+        if runs[1, t] == 0:
             taken[t] = min(taken[t], hidden * deviation)
             continue
         taken[t] *= shape
@@ -290,15 +298,15 @@ def fill_spread(
             more[t] += np.sqrt(max(square, 0.0)) / deviation  # of the same noise
     for t in range(k):
         for r in range(k):
-            if run[t] == run[r]:
+            if runs[0, t] == runs[0, r]:
                 sigma[t, r] = sigma[t, r] * more[t] * more[r] + taken[t] * taken[r]
-    for t in range(len(left)):
-        for r in range(len(left)):
+    for t in range(k if len(left) > 0 and left[0] > 0.0 else 0):
+        for r in range(k):
             if abs(tau[r] - tau[t]) <= alike * tau[t]:
                 sigma[t, r] += left[t] * left[r]
 
 
-@compiled
+@inlined
 def brent(state: Array, tolerance: float) -> bool:
     """Return whether a root is found at state[1]; if not, put the next place there, whose value goes into state[4].
 
@@ -334,95 +342,74 @@ def brent(state: Array, tolerance: float) -> bool:
     return False
 
 
-@compiled
-def held_cost(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
-) -> float:
-    """Fill v of least cost with one unknown held, as ``searched`` does; as ``scored`` where there are no spacings."""
-    if len(spacings) == 0:
-        return scored(D, s, w, held, value, v, False)
-    return searched(D, table, lo, hi, spacings, s, w, held, value, v)[1]
-
-
-@compiled
+@inlined
 def _beyond(rise: float, x: float, stretch: float, short: float, missed: bool) -> float:
     """Return how far a power lies beyond its upper limit, from the rise of the cost there."""
     far = np.sqrt(max(2.0 * rise, 0.0) / stretch)
-    if not missed:
-        return float(far - SURE)
-    lacks = far - short * far / x  # distance of the power from which it is named
-    chance = math.erfc(far * HALF_ROOT) / math.erfc(lacks * HALF_ROOT)
-    least = lacks - SURE
-    other = 1.0 - ONE_SIDED - chance
-    return float(other if other > least else least)
+    beyond = far - SURE
+    if missed:
+        lacks = far - short * far / x  # distance of the power from which it is named
+        chance = math.erfc(far * HALF_ROOT) / math.erfc(lacks * HALF_ROOT)
+        least = lacks - SURE
+        other = 1.0 - ONE_SIDED - chance
+        beyond = other if other > least else least
+    return beyond
 
 
 @compiled
-def limit_root(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int,
-    best: float, u: float, least: float, stretch: float, short: float, missed: bool, tolerance: float,
+def root_of(
+    columns: Array, table: Array, data: Array, wanted: NDArray[np.bool_], at: int, lo: float, hi: float,
+    spacings: Array, way: int, start: float, by: float, least: float, step: float, target: float, furthest: float,
+    short: float, tolerance: float, powers: Array,
 ) -> float:  # fmt: skip
-    """Return the distance at which a power is ruled out, in u from the best; NaN where it is not up to 1e6."""
-    v = np.zeros(D.shape[1])
+    """Return the distance at which the cost has risen enough over the least one, NaN where it never does.
 
-    def beyond(x: float) -> float:
-        cost = held_cost(D, table, lo, hi, spacings, s, w, held, best + x * u, v)
-        return _beyond(cost - least, x, stretch, short, missed)
+    There are these ways, see ``fitting.limits``:
 
-    inside, outside, below, above = 0.0, 1.0, 0.0, beyond(1.0)
-    while above < 0.0:
-        inside, outside, below = outside, 2.0 * outside, above
-        if outside > FURTHEST:
-            return np.nan
-        above = beyond(outside)
-    if inside == 0.0:
-        inside = tolerance
-        below = beyond(inside)
-        if below >= 0.0:
-            return inside
-    state = np.array([inside, outside, 0.0, below, above, 0.0, 0.0, 0.0])
-    for _ in range(MOST_ROOTS):
-        if brent(state, tolerance):
-            break
-        state[4] = beyond(state[1])
-    return float(state[1])
+    - `POWER`: the distance is that of the logarithm of a power over its ``start`` from ``by`` on, and twice the cost
+      rises by the target;
+    - `TIME`: the same of a position in the table, in units of ``by``;
+    - `LIMIT`: it is that of a power from its start, in ``by``, the target is the stretch, and the power is ruled out;
+    - `MISSED`: the same of a term of which ``short`` is what the power lacks of being named.
 
-
-@compiled
-def crossing_root(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, by: float,
-    start: float, first: float, least: float, step: float, target: float, furthest: float, tolerance: float,
-) -> float:  # fmt: skip
-    """Return the distance from ``first`` at which twice the cost has risen by the target; NaN where it never does.
-
-    The unknown is the logarithm of a power over its ``start``, or, where none is held, the position in the table over
-    ``by``, from ``start`` on.
+    ``powers`` is work space.
     """
-    v = np.zeros(D.shape[1])
-    root, most = np.sqrt(target), max(STEEP, 4.0 * target)
-
-    def rise(x: float) -> float:
-        if held < 0:
-            at = start + x * by
-            return 2.0 * (held_cost(D, table, at, at, spacings, s, w, held, 0.0, v) - least)
-        return 2.0 * (held_cost(D, table, lo, hi, spacings, s, w, held, start * np.exp(first + x), v) - least)
-
-    inside, outside = 0.0, step if abs(step) < abs(furthest) else furthest
-    above = rise(outside)
-    while above < target:
-        if abs(outside) >= abs(furthest):
-            return np.nan
-        inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
-        above = rise(outside)
-    below = np.sqrt(min(max(rise(inside), 0.0), most)) - root  # nearly straight, where the rise is a parabola
-    if below >= 0.0:  # of a long record, the fit that is held at zero may lie above the free one
-        return inside
-    state = np.array([inside, outside, 0.0, below, np.sqrt(min(max(above, 0.0), most)) - root, 0.0, 0.0, 0.0])
+    root, most, limit = np.sqrt(target), max(STEEP, 4.0 * target), way >= LIMIT
+    near, x = (tolerance, step) if limit else (0.0, 0.0)
+    state, inside, outside, below, above = np.zeros(8), 0.0, 0.0, 0.0, 0.0
+    from_inside, from_outside, between = False, False, False
     for _ in range(MOST_ROOTS):
+        value = start * np.exp(by + x) if way == POWER else start + x * by
+        a, b = (value, value) if way == TIME else (lo, hi)
+        cost = fit_of(columns, table, data, wanted, -1 if way == TIME else at, value, a, b, spacings, powers)[1]
+        if limit:
+            rise = _beyond(cost - least, x, target, short, way == MISSED)
+        else:  # nearly straight, where the rise is a parabola
+            rise = np.sqrt(min(max(2.0 * (cost - least), 0.0), most)) - root
+        if between:
+            state[4] = rise
+        elif rise < 0.0:
+            if abs(x) >= abs(furthest):
+                return np.nan
+            inside, below, from_inside = x, rise, True
+        elif x == near:  # of a long record, the fit that is held at zero may lie above the free one
+            return near
+        else:
+            outside, above, from_outside = x, rise, True
+        if not between:
+            if not from_outside:
+                x = step if x == near else 2.0 * x
+                x = x if abs(x) < abs(furthest) else furthest
+                continue
+            if not from_inside:
+                x = near
+                continue
+            between = True
+            state[0], state[1], state[3], state[4] = inside, outside, below, above
         if brent(state, tolerance):
             break
-        state[4] = np.sqrt(min(max(rise(state[1]), 0.0), most)) - root
-    return float(state[1])
+        x = state[1]
+    return state[1]
 
 
 @compiled
@@ -518,7 +505,7 @@ def fill_sandwich(D: Array, w: Array, sigma: Array, least: float, covariance: Ar
             covariance[i, j] = covariance[j, i] = total
 
 
-@compiled
+@inlined
 def fill_known(
     columns: Array, powers: Array, timed: Array, w: Array, sigma: Array, least: float, covariance: Array, naive: Array
 ) -> None:  # fmt: skip
@@ -538,14 +525,17 @@ def fill_known(
     fill_sandwich(D, weights, sigma, least, covariance, naive)
 
 
-@compiled
+@inlined
 def first_known(columns: Array, powers: Array, weight: Array, column: int, most: float, least: float) -> int:
     """Return the first row of roots of weights with which a power has no larger variance; their number where none has.
 
     ``columns`` are what powers of 1 add to the mean; ``column`` counts those that are there.
     """
-    there = np.flatnonzero(powers)
-    k, q = len(columns), len(there)
+    k, q, there = len(columns), 0, np.empty(len(powers), np.int64)
+    for i in range(len(powers)):
+        if powers[i] > 0.0:
+            there[q] = i
+            q += 1
     part, D, H, scale = np.empty((k, q)), np.empty((k, q)), np.empty((q, q)), np.empty(q)
     for t in range(k):
         mean = 0.0

@@ -1,12 +1,6 @@
-"""Compiled chains of a fit, from the choice of terms to their intervals and limits: arrays in, arrays out, no checks.
+"""Compiled chains of a fit, from the choice of terms to the tests of residuals: arrays in, arrays out, no checks.
 
-A ``problem`` holds the Allan variances of linear terms and lines of size 1, columns (k, p), those of Gauss-Markov noise
-at correlation times, a table (g, k), the variances found, their weights and the averaging times, each (k,). Powers
-(p + 1) are those of linear terms, lines and Gauss-Markov noise, whose correlation time is a position in the table.
-
-What powers are multiplied with in a covariance, see ``fitting.spread``, is given of all linear terms and lines
-(``plain``), and of the terms that are ``there`` beside Gauss-Markov noise at one position (``beside``). Where a chain
-comes upon others it stops at that place, and is called once more from there, with what it lacks.
+What they take is that of ``_kernels_limits``.
 """
 
 from __future__ import annotations
@@ -15,51 +9,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...statistics._kernels import compiled
-from ._kernels import Indices, first_known, rotate, score_each, scored, searched
-from ._kernels_limits import BY, end_from, hidden, interpolate, limit_from, ruled_out, stretch_at
+from ...statistics._kernels import compiled, inlined
+from ._kernels import Indices, fit_of, rotate
+from ._kernels_limits import BY, interpolate
 
-Problem = tuple[Array, Array, Array, Array, Array]
-Spread = tuple[Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array]
-Rules = tuple[float, float, float, float, float]  # PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR of ``fitting``
 LINEAR, WHITE, RAMP = 5, 1, 4  # linear terms, and places of two
 
 
-@compiled
-def fit_of(
-    problem: Problem, wanted: NDArray[np.bool_], at: int, value: float, lo: float, hi: float, spacings: Array,
-    powers: Array,
-) -> tuple[float, float]:  # fmt: skip
-    """Fill the powers of least cost of a choice of terms; return the position of the correlation time, and the cost.
-
-    One of the powers is held ``at`` a value, none where that is -1.
-    """
-    columns, table, s, w, _ = problem
-    k, p = columns.shape
-    places = np.flatnonzero(wanted)
-    D, v, position = np.zeros((k, len(places))), np.zeros(len(places)), 0.0
-    held = int(np.searchsorted(places, at)) if at >= 0 else -1
-    for j in range(len(places)):
-        if places[j] < p:
-            for t in range(k):
-                D[t, j] = columns[t, places[j]]
-    if wanted[p]:
-        position, cost = searched(D, table, lo, hi, spacings if hi > lo else spacings[:1], s, w, held, value, v)
-    else:
-        cost = scored(D, s, w, held, value, v, False)
-    powers[:] = 0.0
-    for j in range(len(places)):
-        powers[places[j]] = v[j]
-    return position, cost
+@inlined
+def sort(values: Array, order: Indices) -> None:
+    """Fill the order of values, the least first; of equal ones the first."""
+    for i in range(len(values)):
+        j = i
+        while j > 0 and values[order[j - 1]] > values[i]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
 
 
 @compiled
-def fill_residuals(problem: Problem, per_e: float, powers: Array, position: float, sigma: Array, out: Array) -> int:
+def fill_residuals(
+    columns: Array, table: Array, data: Array, per_e: float, powers: Array, position: float, sigma: Array, out: Array
+) -> int:
     """Fill residuals, and behind them, in columns, their covariance: see ``fitting.goodness``, shape (k, 1 + k).
 
     Returned is how many unknowns the fit has.
     """
-    columns, table, s, w, _ = problem
     k, p = columns.shape
     D, mean, unit, q = np.empty((k, p + 2)), np.zeros(k), np.empty(k), 0
     row, after = np.empty(k), np.empty(k)
@@ -83,12 +58,12 @@ def fill_residuals(problem: Problem, per_e: float, powers: Array, position: floa
     for i in range(q):
         size = 0.0
         for t in range(k):
-            size += w[t] / mean[t] ** 2 * D[t, i] ** 2
+            size += data[1, t] / mean[t] ** 2 * D[t, i] ** 2
         for t in range(k):
             D[t, i] /= np.sqrt(size)  # powers of different terms differ by orders of magnitude
     for i in range(q):
         for t in range(k):
-            A[i, q + t] = D[t, i] * w[t] / mean[t] ** 2
+            A[i, q + t] = D[t, i] * data[1, t] / mean[t] ** 2
         for j in range(q):
             for t in range(k):
                 A[i, j] += A[i, q + t] * D[t, j]
@@ -97,7 +72,7 @@ def fill_residuals(problem: Problem, per_e: float, powers: Array, position: floa
     for t in range(k):
         unit[t] = np.sqrt(sigma[t, t])
         ninth = sigma[t, t] / (9.0 * mean[t] ** 2)  # 2 / (9 edf)
-        out[t, 0] = (np.cbrt(s[t] / mean[t]) - (1.0 - ninth)) / np.sqrt(ninth)
+        out[t, 0] = (np.cbrt(data[0, t] / mean[t]) - (1.0 - ninth)) / np.sqrt(ninth)
     for t in range(k):
         for r in range(k):
             taken = 0.0
@@ -119,7 +94,7 @@ def fill_residuals(problem: Problem, per_e: float, powers: Array, position: floa
     return q
 
 
-@compiled
+@inlined
 def solve(A: Array) -> None:
     """Put the solutions of equations (q, q + n) in the place of their right sides, the last n columns."""
     q, wide = A.shape
@@ -142,12 +117,13 @@ def solve(A: Array) -> None:
 
 
 @compiled
-def sum_of_squares(values: Array, covariance: Array, dof: int, small: float) -> tuple[float, int]:
+def sum_of_squares(found: Array, dof: int, small: float) -> tuple[float, int]:
     """Return the sum of squares in the metric of a covariance of that rank, and how many directions it is of.
 
-    Values are left out whose variance is up to a ``small`` part of the largest, and directions in the same way.
+    Values are the first column of what is found, their covariance is behind them.
+    Those are left out whose variance is up to a ``small`` part of the largest, and directions in the same way.
     """
-    k, largest = len(values), 0.0
+    k, largest, values, covariance = len(found), 0.0, found[:, 0], found[:, 1:]
     for t in range(k):
         largest = max(largest, covariance[t, t])
     free = np.empty(k, np.int64)
@@ -166,7 +142,10 @@ def sum_of_squares(values: Array, covariance: Array, dof: int, small: float) -> 
         for j in range(i):
             A[i, j] = A[j, i] = A[i, j]
     rotate(A, V)
-    order = np.argsort(np.diag(A).copy(), kind="mergesort")
+    sizes, order = np.empty(n), np.empty(n, np.int64)
+    for i in range(n):
+        sizes[i] = A[i, i]
+    sort(sizes, order)
     total, kept = 0.0, 0
     for i in order[max(n - dof, 0) :]:
         if A[i, i] > small * A[order[-1], order[-1]]:
@@ -179,47 +158,54 @@ def sum_of_squares(values: Array, covariance: Array, dof: int, small: float) -> 
 
 
 @compiled
-def unknowns_of(there: NDArray[np.bool_]) -> int:
-    """Return how many unknowns the criterion counts of terms that are there; lines are none of them."""
-    count = 2 * int(there[-1]) + int(there[RAMP])
+def unknowns_of(powers: Array) -> int:
+    """Return how many unknowns the criterion counts of powers that are there; lines are none of them."""
+    count = 2 * int(powers[-1] > 0.0) + int(powers[RAMP] > 0.0)
     for i in range(LINEAR):
-        count += int(there[i])
+        count += int(powers[i] > 0.0)
     return count
 
 
-@compiled
+@inlined
 def fill_ranked(
-    problem: Problem, wanted: NDArray[np.bool_], every: NDArray[np.bool_], spacings: Array, price: float,
-    nearer: float, powers: Array, positions: Array, costs: Array, criteria: Array,
+    columns: Array, table: Array, data: Array, wanted: NDArray[np.bool_], every: NDArray[np.bool_], spacings: Array,
+    price: float, nearer: float, powers: Array, positions: Array, costs: Array, criteria: Array,
 ) -> int:  # fmt: skip
-    """Fill the different choices among those ``wanted`` (c, p), best first, as ``fitting.order`` has it.
+    """Fill the different choices among those ``wanted`` (c, p + 1), best first, as ``fitting.order`` has it.
 
     Each is tried with Gauss-Markov noise too, where that is one of ``every`` candidate. Returned is how many there are.
     """
-    p, last = problem[0].shape[1], len(problem[1]) - 1.0
-    own, least = np.zeros((len(wanted), p + 1)), np.empty(len(wanted))
-    score_each(problem[0], problem[2], problem[3], wanted, own, least)
-    place, count, v = np.full(2 << LINEAR, -1), 0, np.zeros(p + 1)
-    for i in np.argsort(least, kind="mergesort"):
-        count = _add(own[i], 0.0, least[i], place, count, powers, positions, costs, False)
-    if every[p]:
-        position, whole = fit_of(problem, every, -1, 0.0, 0.0, last, spacings, v)
-        count = _add(v, position, whole, place, count, powers, positions, costs, True)
-        best = np.inf
-        for i in range(count):
-            best = min(best, 2.0 * costs[i] + price * unknowns_of(powers[i] > 0.0))
-        for i in range(len(wanted)):
-            some = np.ones(p + 1, np.bool_)
-            some[:p] = wanted[i]
+    p, last, many, most = columns.shape[1], len(table) - 1.0, len(wanted), len(criteria)
+    own, least, order = np.empty((many, p + 1)), np.empty(many), np.empty(most, np.int64)
+    for i in range(many):
+        least[i] = fit_of(columns, table, data, wanted[i], -1, 0.0, 0.0, 0.0, spacings, own[i])[1]
+    place, count, whole, best = np.full(2 << LINEAR, -1), 0, 0.0, np.inf
+    sort(least, order)
+    for i in range(many):
+        count = _add(own[order[i]], 0.0, least[order[i]], place, count, powers, positions, costs, False)
+    some, v = every.copy(), np.zeros(p + 1)
+    for i in range(-1, many if every[p] else -1):  # all, and each choice
+        if i >= 0:
+            unknowns = 2
+            for j in range(p):
+                some[j] = wanted[i, j]
+                unknowns += int(some[j]) if j < LINEAR else 0
+            unknowns += int(some[RAMP])
             white = some[WHITE] or not every[WHITE]
-            if white and 2.0 * whole + price * unknowns_of(some) < best + nearer:
-                position, cost = fit_of(problem, some, -1, 0.0, 0.0, last, spacings, v)
-                count = _add(v, position, cost, place, count, powers, positions, costs, True)
+            if not white or not 2.0 * whole + price * unknowns < best + nearer:
+                continue
+        position, cost = fit_of(columns, table, data, some, -1, 0.0, 0.0, last, spacings, v)
+        count = _add(v, position, cost, place, count, powers, positions, costs, True)
+        if i < 0:
+            whole = cost
+            for j in range(count):
+                best = min(best, 2.0 * costs[j] + price * unknowns_of(powers[j]))
     for i in range(count):
-        criteria[i] = 2.0 * costs[i] + price * unknowns_of(powers[i] > 0.0)
-    order = np.argsort(criteria[:count], kind="mergesort")
-    powers[:count], positions[:count], costs[:count] = powers[order], positions[order], costs[order]
-    criteria[:count] = criteria[order]
+        criteria[i] = 2.0 * costs[i] + price * unknowns_of(powers[i])
+    sort(criteria[:count], order)
+    at = order[:count]
+    powers[:count], positions[:count], costs[:count] = powers[at], positions[at], costs[at]
+    criteria[:count] = criteria[at]
     return count
 
 
@@ -240,175 +226,3 @@ def _add(
         count += 1
     powers[at], positions[at], costs[at] = v, position, cost
     return count
-
-
-@compiled
-def _stretch(
-    problem: Problem, misfit: float, rules: Rules, plain: Spread, beside: Spread, beside_at: float,
-    there: NDArray[np.bool_], powers: Array, position: float, at: int, timed: bool,
-) -> tuple[bool, float]:  # fmt: skip
-    """Return whether the covariance of powers is at hand, and then the stretch of one of them."""
-    columns, table, _, w, tau = problem
-    per_e, out_of_sight, shape, alike, least = rules
-    spread = plain
-    if powers[-1] > 0.0:
-        spread = beside
-        if position != beside_at or np.any((powers > 0.0) != there):
-            return False, np.nan
-    squares, row, column, run, found, lost, by, doubt = spread
-    return True, stretch_at(
-        columns, table, w, powers, position, at, timed, per_e, squares, row, column, run, found, lost, by, doubt,
-        out_of_sight, shape, tau, alike, misfit, least,
-    )  # fmt: skip
-
-
-@compiled
-def _limit(
-    problem: Problem, misfit: float, rules: Rules, spacings: Array, closeness: tuple[float, float, float],
-    plain: Spread, beside: Spread, beside_at: float, there: NDArray[np.bool_], lines: int, powers: Array,
-    position: float, at: int, u: float, named: float, stretch: float, missed: bool, ended: Array,
-) -> tuple[bool, float, float]:  # fmt: skip
-    """Return whether all that is needed is at hand, the upper limit of a power (NaN for none) and the stretch there.
-
-    ``ended`` (p + 2) is filled with the powers of least cost there, and their position.
-    """
-    columns, table, s, w, _ = problem
-    nearby, rough, close = closeness
-    p, wanted = columns.shape[1], powers > 0.0
-    wanted[p - lines : p] = True
-    wanted[at] = True
-    near = nearby if at < p else 0.0
-    x, best, least, short, place = ruled_out(
-        columns, table, s, w, wanted, position, near, spacings, at, u, named, stretch, missed, rough, ended[: p + 1]
-    )
-    ended[p + 1] = place
-    if np.isnan(x):
-        return True, np.nan, stretch
-    known, stretch = _stretch(
-        problem, misfit, rules, plain, beside, beside_at, there, ended[: p + 1], place, at, at < p
-    )  # fmt: skip
-    if not known or not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
-        return known, np.nan, stretch
-    x = limit_from(
-        columns, table, s, w, wanted, position, near, spacings, at, u, best, least, short, missed, stretch, close
-    )  # fmt: skip
-    return True, best + x * u, stretch
-
-
-@compiled
-def fill_longer(edf: Array, doublings: int, roots: Array) -> None:
-    """Fill the roots of half the degrees of freedom of records of 2^0 .. 2^doublings times the present one.
-
-    Those go with length over tau; a record of each length has an octave more than the one before. Shape (25, k + 24),
-    zero at averaging times that a record does not have.
-    """
-    k = len(edf)
-    for n in range(doublings + 1):
-        for t in range(k + doublings):
-            back = min(t, n)
-            roots[n, t] = np.sqrt(0.5 * edf[t - back] * 2.0 ** (n - back)) if t < k + n else 0.0
-
-
-@compiled
-def fill_limits(
-    problem: Problem, misfit: float, rules: Rules, spacings: Array, closeness: tuple[float, float, float],
-    plain: Spread, beside: Spread, beside_at: float, there: NDArray[np.bool_], lines: int, powers: Array,
-    positions: Array, ats: Indices, sigma: Array, smallest: float, names: Array, rivals: Array, rival_at: Array,
-    longest: Array, edf: Array, doublings: int, known: float, rounding: float, first: int, found: Array, ended: Array,
-) -> int:  # fmt: skip
-    """Fill limits of powers that are not there, and the record each needs, see ``fitting.limits``.
-
-    A row of ``found`` (n, 4) is the limit, NaN for none, the doublings of the record, 1 where it holds next to the
-    rival, and the stretch. ``names`` is by how much the criterion falls where each is named. A rival without a power is
-    none. Every limit has two steps, the ``first`` of all is where to begin; returned is the one that cannot be done,
-    because the covariance of the powers and position in ``ended`` is not at hand, or their number.
-    """
-    columns, table, _, w, _ = problem
-    per_e, least = rules[0], rules[4]
-    roots = np.empty((doublings + 1, len(edf) + doublings))
-    fill_longer(edf, doublings, roots)
-    for step in range(first, 2 * len(ats)):
-        i = step // 2
-        at, position, own = ats[i], positions[i], found[i]
-        if step % 2 == 1 and np.isnan(own[0]):
-            continue
-        u, stretch = hidden(columns, table, w, powers, position, at, smallest, per_e, sigma, least)
-        if step % 2 == 0:
-            own[0], own[1], own[2], own[3] = np.nan, doublings + 1.0, 0.0, np.nan
-            if np.isnan(u):  # the term has no part in any deviation, or all of one
-                continue
-            ready, own[0], own[3] = _limit(
-                problem, misfit, rules, spacings, closeness, plain, beside, beside_at, there, lines, powers, position,
-                at, u, u * np.sqrt(names[i] / stretch), stretch, True, ended,
-            )  # fmt: skip
-            if not ready:
-                return step
-            continue
-        if np.any(rivals[i] > 0.0):
-            ready, other, _ = _limit(
-                problem, misfit, rules, spacings, closeness, plain, beside, beside_at, there, lines, rivals[i],
-                rival_at[i], at, u, 0.0, own[3], False, ended,
-            )  # fmt: skip
-            if not ready:
-                return step
-            if other > own[0]:
-                own[0], own[2] = other, 1.0
-        shown, column = powers.copy(), 0
-        shown[at] = own[0]
-        for j in range(at):
-            column += int(powers[j] > 0.0)
-        own[1] = first_known(longest, shown, roots, column, known**2 / own[3], rounding)
-    return 2 * len(ats)
-
-
-@compiled
-def fill_ends(
-    problem: Problem, misfit: float, rules: Rules, spacings: Array, closeness: tuple[float, float, float],
-    plain: Spread, beside: Spread, beside_at: float, there: NDArray[np.bool_], free: NDArray[np.bool_], powers: Array,
-    position: float, cost: float, ats: Indices, stretches: Array, target: float, by: float, widest: float,
-    first: int, found: Array, ended: Array,
-) -> int:  # fmt: skip
-    """Fill the ends of intervals of powers, with the terms free that are said, see ``fitting.limits``.
-
-    A row of ``found`` (n, 2) is the lower end and the upper one, NaN where there is none. Each is a step, as above.
-    """
-    columns, table, s, w, _ = problem
-    nearby, rough, close = closeness
-    p, last, per_e = columns.shape[1], len(table) - 1.0, rules[0]
-    v, best, least, absent = np.empty(p + 1), 0.0, 0.0, False
-    lo, hi = max(position - nearby, 0.0), min(position + nearby, last)
-    for step in range(first, 2 * len(ats)):
-        i, upper = step // 2, step % 2 == 1
-        at, start = ats[i], powers[ats[i]]
-        if not upper or step == first:
-            least = fit_of(problem, free, -1, 0.0, lo, hi, spacings, v)[1]
-            best = v[at]
-            if cost < least:
-                least, best = cost, start
-            others = free.copy()
-            others[at] = False
-            without = fit_of(problem, others, -1, 0.0, 0.0, last, spacings[:2], v)[1]
-            absent = best <= 0.0 or 2.0 * (without - least) < target * stretches[i]
-        found[i, step % 2] = np.nan
-        if absent and not upper:
-            continue
-        ratio = np.log(best / start) if best > 0.0 else -widest
-        begin, far, towards = (max(ratio, 0.0), widest, by) if upper else (min(ratio, 0.0), -widest, -by)
-        x, place = end_from(
-            columns, table, s, w, free, position, nearby, spacings, at, per_e, start, begin, least, towards,
-            target * stretches[i], far, rough, ended[: p + 1],
-        )  # fmt: skip
-        ended[p + 1] = place
-        if np.isnan(x):
-            continue
-        ready, stretch = _stretch(
-            problem, misfit, rules, plain, beside, beside_at, there, ended[: p + 1], place, at, True
-        )  # fmt: skip
-        if not ready:
-            return step
-        x = end_from(
-            columns, table, s, w, free, position, nearby, spacings, at, per_e, start, begin, least, towards,
-            target * stretch, far, close, v,
-        )[0]  # fmt: skip
-        found[i, step % 2] = start * np.exp(begin + x)
-    return 2 * len(ats)

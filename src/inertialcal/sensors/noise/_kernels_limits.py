@@ -1,8 +1,12 @@
-"""Compiled chains of an upper limit and of an end of an interval: arrays in, preallocated arrays out, no checks.
+"""Compiled covariance of a fit and the root of a rise of its cost: arrays in, preallocated arrays out, no checks.
 
-``columns`` (k, p) are Allan variances of linear terms and lines of size 1, lines from ``lines`` on; rows of ``table``
-(g, k) those of Gauss-Markov noise; ``powers`` (p + 1) are all powers, that of Gauss-Markov noise last, whose
-correlation time lies at ``position`` in the table. ``wanted`` (p + 1) says which take part.
+``columns`` (k, p) are Allan variances of linear terms and lines of size 1, lines last; rows of ``table`` (g, k) those of
+Gauss-Markov noise; rows of ``data`` (3, k) the variances found, their weights and the averaging times; ``powers``
+(p + 1) are all powers, that of Gauss-Markov noise last, whose correlation time lies at ``position`` in the table.
+``wanted`` (p + 1) says which take part.
+
+What powers are multiplied with in a covariance, see ``fitting.spread``, is the `Spread` of all linear terms and lines
+(``plain``), or of the terms that are ``there`` beside Gauss-Markov noise at one position (``beside``).
 """
 
 from __future__ import annotations
@@ -11,10 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...statistics._kernels import compiled
-from ._kernels import crossing_root, fill_known, fill_spread, held_cost, limit_root, scored, searched
+from ...statistics._kernels import compiled, inlined
+from ._kernels import LIMIT, Indices, fill_known, fill_spread, fit_of, root_of
 
 BY = 0.05  # rows of the table, to either side, for a slope
+Spread = tuple[Array, Array, Array]  # Squares, what filters take with its slopes, and the covariance of these
+# PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR, NEARBY, ROUGH, TOLERANCE of ``fitting``
+Rules = tuple[float, float, float, float, float, float, float, float]
 
 
 @compiled
@@ -40,25 +47,49 @@ def fill_bread(
         for t in range(k):
             every[t, i] = columns[t, i]
     if powers[p] > 0.0:
-        row, after = np.empty(k), np.empty(k)
-        interpolate(table, position, row)
+        rows = np.empty((3, k))
+        for i in range(3):
+            interpolate(table, position + (i - 1) * BY, rows[i])
         for t in range(k):
-            every[t, p] = row[t]
+            every[t, p] = rows[1, t]
         if timed:
-            interpolate(table, position + BY, after)
-            interpolate(table, position - BY, row)
             slopes = np.empty(k)
             for t in range(k):
-                slopes[t] = powers[p] * (after[t] - row[t]) / (2.0 * BY) * per_e
+                slopes[t] = powers[p] * (rows[2, t] - rows[0, t]) / (2.0 * BY) * per_e
     fill_known(every, powers, slopes, w, sigma, least, covariance, naive)
 
 
-@compiled
+@inlined
+def fill_covariance(
+    columns: Array, table: Array, data: Array, powers: Array, position: float, misfit: float, rules: Rules,
+    pairs: Indices, runs: Indices, squares: Array, parts: Array, doubt: Array, sigma: Array,
+) -> None:  # fmt: skip
+    """Fill the covariance of the variances found that powers imply: see ``fitting.spread``."""
+    k, p = columns.shape
+    own, left, q, markov = np.empty(p + 1), np.zeros(k), 0, powers[p] > 0.0
+    if markov:
+        interpolate(table, position, left)
+        for t in range(k):
+            left[t] *= powers[p]
+    for i in range(p + int(markov)):
+        if powers[i] > 0.0 or not markov:
+            own[q] = powers[i]
+            q += 1
+        for t in range(k if i < p else 0):
+            left[t] += powers[i] * columns[t, i]
+    for t in range(k):
+        left[t] *= misfit
+    fill_spread(
+        own[:q], squares, pairs, runs, parts, doubt, rules[1], rules[2], left, data[2], rules[3], sigma
+    )  # fmt: skip
+
+
+@inlined
 def known_at(
     columns: Array, table: Array, w: Array, powers: Array, position: float, timed: bool, per_e: float, sigma: Array,
     least: float, at: int,
 ) -> tuple[float, float]:  # fmt: skip
-    """Return standard uncertainty and stretch of a power."""
+    """Return variance of a power, and what it would be if weights were the inverse of that of the variances found."""
     q, column = 0, 0
     for i in range(len(powers)):
         q += int(powers[i] > 0.0)
@@ -66,139 +97,65 @@ def known_at(
     q += int(timed and powers[-1] > 0.0)
     covariance, naive = np.empty((q, q)), np.empty((q, q))
     fill_bread(columns, table, w, powers, position, timed, per_e, sigma, least, covariance, naive)
-    return float(np.sqrt(covariance[column, column])), float(covariance[column, column] / naive[column, column])
+    return covariance[column, column], naive[column, column]
 
 
-@compiled
+@inlined
 def hidden(
-    columns: Array, table: Array, w: Array, powers: Array, position: float, at: int, share: float, per_e: float,
-    sigma: Array, least: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Return the same of a power that is not there, by that ``share`` of the most that there is room for; else NaN."""
+    columns: Array, table: Array, powers: Array, position: float, at: int, share: float, own: Array
+) -> bool:  # fmt: skip
+    """Fill powers with one that is not there, that share of the most there is room for; return whether there is any."""
     k, p = columns.shape
-    own, row, room = powers.copy(), np.empty(k), np.inf
+    row, room = np.empty(k), np.inf
     interpolate(table, position, row)
     for t in range(k):
         mean = powers[p] * row[t] if powers[p] > 0.0 else 0.0
         for i in range(p):
             mean += powers[i] * columns[t, i]
         ratio = mean / (columns[t, at] if at < p else row[t])
-        if np.isnan(ratio):
-            return np.nan, np.nan
-        room = min(room, ratio)
-    own[at] = share * room
-    if not 0.0 < own[at] < np.inf:
-        return np.nan, np.nan
-    return known_at(columns, table, w, own, position, at < p, per_e, sigma, least, at)
+        room = ratio if ratio < room or np.isnan(ratio) else room
+    for i in range(p + 1):
+        own[i] = share * room if i == at else powers[i]
+    return 0.0 < own[at] < np.inf
 
 
 @compiled
-def _chosen(
-    columns: Array, table: Array, wanted: NDArray[np.bool_], position: float, near: float, spacings: Array
-) -> tuple[NDArray[np.int64], Array, float, float, Array]:
-    """Return places of the terms, their columns, positions of the time that are searched, and how closely."""
-    k, p = columns.shape
-    places = np.flatnonzero(wanted)
-    D, last = np.zeros((k, len(places))), len(table) - 1.0
-    for j in range(len(places)):
-        if places[j] < p:
-            for t in range(k):
-                D[t, j] = columns[t, places[j]]
-    lo, hi = (max(position - near, 0.0), min(position + near, last)) if near > 0.0 else (position, position)
-    return places, D, lo, hi, spacings[: (2 if hi > lo else 1) if wanted[p] else 0]
+def ended_at(
+    columns: Array, table: Array, data: Array, misfit: float, rules: Rules, spacings: Array, pairs: Indices,
+    runs: Indices, plain: Spread, beside: Spread, beside_at: float, there: NDArray[np.bool_],
+    wanted: NDArray[np.bool_], at: int, lo: float, hi: float, way: int, start: float, by: float, least: float,
+    step: float, target: float, stretch: float, furthest: float, short: float, timed: bool, ended: Array,
+) -> tuple[bool, float, float]:  # fmt: skip
+    """Return whether all that is needed is at hand, the distance to a root (NaN for none) and the stretch there.
 
-
-@compiled
-def ruled_out(
-    columns: Array, table: Array, s: Array, w: Array, wanted: NDArray[np.bool_], position: float, near: float,
-    spacings: Array, at: int, u: float, named: float, stretch: float, missed: bool, tolerance: float, powers: Array,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Fill powers of least cost where one of them is ruled out, see ``_kernels.limit_root``.
-
-    Returns are the distance from the best power in u (NaN for nowhere), the best, the least cost, what the best lacks
-    of being named [u], and the position in the table where it is ruled out.
+    The root is that of ``_kernels.root_of``, with the stretch of the terms at a rough one, where ``ended`` (p + 2) is
+    filled with the powers of least cost and their position.
     """
-    places, D, lo, hi, steps = _chosen(columns, table, wanted, position, near, spacings)
-    held, v, there = int(np.searchsorted(places, at)), np.zeros(len(places)), 0.0
-    if len(steps) == 0:
-        least = scored(D, s, w, -1, 0.0, v, False)
-    else:
-        least = searched(D, table, lo, hi, steps, s, w, -1, 0.0, v)[1]
-    best = v[held]
-    short = max(named - best, 0.0) / u if missed else 0.0
-    x = limit_root(D, table, lo, hi, steps, s, w, held, best, u, least, stretch, short, missed, tolerance)
-    v[:] = 0.0
-    if len(steps) == 0:
-        scored(D, s, w, held, best + x * u, v, False)
-    elif x >= 0.0:
-        there = searched(D, table, lo, hi, steps, s, w, held, best + x * u, v)[0]
-    powers[:] = 0.0
-    for j in range(len(places)):
-        powers[places[j]] = v[j]
-    return x, best, least, short, there
-
-
-@compiled
-def stretch_at(
-    columns: Array, table: Array, w: Array, powers: Array, position: float, at: int, timed: bool, per_e: float,
-    squares: Array, row: NDArray[np.int64], column: NDArray[np.int64], run: NDArray[np.int64],
-    found: NDArray[np.bool_], lost: Array, by: Array, doubt: Array, out_of_sight: float, shape: float,
-    tau: Array, alike: float, misfit: float, least: float,
-) -> float:  # fmt: skip
-    """Return the stretch of a power, of the covariance that powers imply: see ``fitting.spread``."""
-    k, p = columns.shape
-    own, left, markov = powers[:p].copy(), np.zeros(k if misfit > 0.0 else 0), np.empty(k)
-    if powers[p] > 0.0:
-        own = powers[powers > 0.0]
-        interpolate(table, position, markov)
-    for t in range(len(left)):
-        for i in range(p):
-            left[t] += misfit * powers[i] * columns[t, i]
-        left[t] += misfit * powers[p] * markov[t] if powers[p] > 0.0 else 0.0
-    sigma = np.empty((k, k))
-    fill_spread(
-        own, squares, row, column, run, found, lost, by, doubt, out_of_sight, shape, left, tau, alike, sigma
-    )  # fmt: skip
-    return known_at(columns, table, w, powers, position, timed, per_e, sigma, least, at)[1]
-
-
-@compiled
-def limit_from(
-    columns: Array, table: Array, s: Array, w: Array, wanted: NDArray[np.bool_], position: float, near: float,
-    spacings: Array, at: int, u: float, best: float, least: float, short: float, missed: bool, stretch: float,
-    tolerance: float,
-) -> float:  # fmt: skip
-    """Return the distance from the best power at which it is ruled out, with a stretch of its own [u]."""
-    places, D, lo, hi, steps = _chosen(columns, table, wanted, position, near, spacings)
-    held = int(np.searchsorted(places, at))
-    return limit_root(D, table, lo, hi, steps, s, w, held, best, u, least, stretch, short, missed, tolerance)
-
-
-@compiled
-def end_from(
-    columns: Array, table: Array, s: Array, w: Array, wanted: NDArray[np.bool_], position: float, near: float,
-    spacings: Array, at: int, per_e: float, start: float, first: float, least: float, step: float, target: float,
-    furthest: float, tolerance: float, powers: Array,
-) -> tuple[float, float]:  # fmt: skip
-    """Fill powers of least cost where twice the cost has risen by the target, see ``_kernels.crossing_root``.
-
-    Returns are the distance from ``first``, zero where the cost has risen there, NaN where it never does, and the
-    position in the table.
-    """
-    places, D, lo, hi, steps = _chosen(columns, table, wanted, position, near, spacings)
-    held, v, x, there = int(np.searchsorted(places, at)), np.zeros(len(places)), 0.0, 0.0
-    cost = held_cost(D, table, lo, hi, steps, s, w, held, start * np.exp(first), v)
-    if not 2.0 * (cost - least) >= target:
-        x = crossing_root(
-            D, table, lo, hi, steps, s, w, held, per_e, start, first, least, step, target, furthest, tolerance
-        )
-    powers[:] = 0.0
-    if not np.isnan(x):
-        v[:] = 0.0
-        if len(steps) == 0:
-            scored(D, s, w, held, start * np.exp(first + x), v, False)
-        else:
-            there = searched(D, table, lo, hi, steps, s, w, held, start * np.exp(first + x), v)[0]
-        for j in range(len(places)):
-            powers[places[j]] = v[j]
-    return x, there
+    p = columns.shape[1]
+    x, level, last = 0.0, stretch, np.nan
+    for closely in range(2):
+        x = root_of(
+            columns, table, data, wanted, at, lo, hi, spacings[:2], way, start, by, least, step, target * level,
+            furthest, short, rules[6 + closely], ended[: p + 1] if closely == 0 else np.empty(p + 1),
+        )  # fmt: skip
+        if closely == 1 or np.isnan(x):
+            break
+        value = start + x * by if way >= LIMIT else start * np.exp(by + x)
+        last = fit_of(columns, table, data, wanted, at, value, lo, hi, spacings[:2], ended[: p + 1])[0]
+        ended[p + 1] = last
+        squares, parts, doubt = plain
+        if ended[p] > 0.0:
+            squares, parts, doubt = beside
+            if last != beside_at:
+                return False, np.nan, np.nan
+            for i in range(p + 1):
+                if (ended[i] > 0.0) != there[i]:
+                    return False, np.nan, np.nan
+        sigma = np.empty((len(columns), len(columns)))
+        own = ended[: p + 1]
+        fill_covariance(columns, table, data, own, last, misfit, rules, pairs, runs, squares, parts, doubt, sigma)
+        variance, naive = known_at(columns, table, data[1], own, last, timed, rules[0], sigma, rules[4], at)
+        level = variance / naive
+        if way >= LIMIT and not level > 0.0:  # nothing but a ramp is left, which does not scatter
+            return True, np.nan, level
+    return True, x, level

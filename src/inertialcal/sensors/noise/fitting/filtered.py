@@ -46,7 +46,7 @@ from ....core.estimate import Array
 from ....signals._kernels_lanes import LANES
 from ....signals.spectrum.density import Spectrum
 from ....statistics.least_squares import symmetric_inverse
-from .._kernels import scored
+from .._kernels import fit_of
 from .._kernels_band import banded, lowest
 from ..expected import density_of_samples, density_of_steps
 from ..terms import GaussMarkov, Phase
@@ -60,6 +60,7 @@ PERIODS = 1.5  # of the corner, in the shortest averaging time of the fit
 PART = 0.5  # of the corner, up to which the level is fitted
 FEWEST = 6  # bands below that
 UNMARKED = np.empty(0, dtype=bool)
+NONE_MARKOV = np.empty((0, 0)), np.empty(0)  # no table of Gauss-Markov noise, nothing to search
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
 SHAPE = 0.07  # least relative uncertainty of what is lost
@@ -197,9 +198,11 @@ def _columns_at(stored: bytes, interval: float) -> Array:
 
 def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
     """Return the least cost of a sum of columns, not negative, and their sizes."""
-    scale, sizes = D.max(axis=0), np.zeros(D.shape[1])
-    cost = scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
-    return cost, sizes / scale
+    scale, sizes = D.max(axis=0), np.empty(D.shape[1] + 1)
+    scaled, wanted = np.ascontiguousarray(D / scale), np.arange(D.shape[1] + 1) < D.shape[1]
+    table, spacings = NONE_MARKOV
+    cost = fit_of(scaled, table, np.array([density, weight]), wanted, -1, 0.0, 0.0, 0.0, spacings, sizes)[1]
+    return cost, sizes[:-1] / scale
 
 
 @lru_cache(maxsize=4)  # spectra of one length share their frequencies

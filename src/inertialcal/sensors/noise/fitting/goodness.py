@@ -57,8 +57,10 @@ def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare |
     """Return whether the terms explain the Allan variances; None where no averaging time is left over."""
     count = len(problem.variance)
     found = np.empty((count, 1 + count))
-    unknowns = fill_residuals(problem.arrays, PER_E, fitted.powers, fitted.position, sigma, found)
-    return chi_square(found[:, 0], found[:, 1:], count - unknowns)
+    unknowns = fill_residuals(
+        problem.columns, problem.table, problem.data, PER_E, fitted.powers, fitted.position, sigma, found
+    )
+    return chi_square(found, count - unknowns)
 
 
 def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
@@ -77,14 +79,17 @@ def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare 
     total = np.vstack(H) @ np.linalg.solve(np.sum(H, axis=0), D.T * weights)
     left = slopes - total
     found = left @ (problem.variance - mu)
-    return chi_square(found, left @ sigma @ left.T, (len(rows) - 1) * D.shape[1])
+    return chi_square(np.column_stack([found, left @ sigma @ left.T]), (len(rows) - 1) * D.shape[1])
 
 
-def chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
-    """Sum of squares in the metric of a covariance of that rank; values that the fit took whole are left out."""
+def chi_square(found: Array, dof: int) -> ChiSquare | None:
+    """Return the sum of squares of values in the metric of their covariance of that rank, which is behind them.
+
+    Values that the fit took whole are left out.
+    """
     if dof < 1:
         return None
-    statistic, kept = sum_of_squares(values.copy(), covariance.copy(), dof, SMALL)
+    statistic, kept = sum_of_squares(found, dof, SMALL)
     return ChiSquare(statistic, kept, float(special.chdtrc(kept, statistic)))
 
 

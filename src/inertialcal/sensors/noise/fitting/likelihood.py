@@ -32,8 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_sandwich
-from .._kernels_chain import fit_of
+from .._kernels import fill_sandwich, fit_of
 from .._kernels_limits import fill_bread, interpolate
 from ..terms import GaussMarkov, Sinusoid, Term
 from .filtered import SHAPE
@@ -42,7 +41,10 @@ from .spread import HIDDEN, NONE, SAME_TAU, Spread, spread_of, spread_with
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
-RULES = PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR  # what loops take of these and of ``spread``
+NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
+TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
+ROUGH = 0.1  # the same, where the stretch is taken
+RULES = PER_E, HIDDEN, SHAPE, SAME_TAU, SINGULAR, NEARBY, ROUGH, TOLERANCE  # what loops take of these
 
 
 class Fitted(NamedTuple):
@@ -65,7 +67,9 @@ def estimate(
     lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
     powers = np.empty(len(problem.names) + 1)
     some = terms_wanted(tuple(wanted), len(problem.lines))
-    position, cost = fit_of(problem.arrays, some, held, value, lo, hi, SPACINGS[: 1 + looks], powers)
+    position, cost = fit_of(
+        problem.columns, problem.table, problem.data, some, held, value, lo, hi, SPACINGS[: 1 + looks], powers
+    )
     return Fitted(powers, position, cost)
 
 
@@ -74,18 +78,6 @@ def terms_wanted(wanted: tuple[str, ...], lines: int) -> NDArray[np.bool_]:
     """Return which of all terms take part, shape (p + 1,), lines among them, not to be changed."""
     names = [*(term.name for term in LINEAR), *[None] * lines, GAUSS_MARKOV]
     return np.array([name is None or name in wanted for name in names])
-
-
-def loop_of(
-    problem: Problem, wanted: tuple[str, ...], held: int, within: tuple[float, float]
-) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
-    """Return what loops take that hold an unknown of a choice of terms: see ``_kernels.held_cost``."""
-    at = np.flatnonzero(terms_wanted(wanted, len(problem.lines))).tolist()
-    D = np.column_stack([problem.columns, np.zeros(len(problem.columns))])[:, at].copy()
-    lo, hi = within
-    spacings = SPACINGS[: (2 if hi > lo else 1) if GAUSS_MARKOV in wanted else 0]
-    place = at.index(held) if held <= len(problem.names) else -1
-    return D, problem.table, float(lo), float(hi), spacings, problem.variance, problem.weight, place
 
 
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:

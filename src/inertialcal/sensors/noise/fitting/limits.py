@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,19 +44,21 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import Indices, crossing_root
+from .._kernels import POWER, TIME, Indices, root_of
 from .._kernels_each import end_each, limit_each
 from ..terms import Sinusoid
 from .filtered import Band
 from .likelihood import (
+    NEARBY,
+    ROUGH,
     RULES,
     SPACINGS,
+    TOLERANCE,
     Fitted,
     Sandwich,
     covariance_of_runs,
     estimate,
     estimate_at,
-    loop_of,
     sandwich,
     terms_wanted,
     time_at,
@@ -74,7 +76,7 @@ from .problem import (
     linear_columns,
     run_that_took,
 )
-from .spread import Arrays
+from .spread import Arrays, Triple
 from .stack import Stack, complete
 
 SMALLEST = 1e-9  # of the most that there is room for: a power that is not there
@@ -82,12 +84,8 @@ KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
 WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
-TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
-ROUGH = 0.1  # the same, where the stretch is taken
-NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 FIRST_STEP = 0.01  # of the logarithm of a power, towards an end
 ROUNDING = 1e-15  # of the largest eigenvalue: directions that nothing tells of
-CLOSENESS = NEARBY, ROUGH, TOLERANCE
 # By how much the criterion falls with each term besides white noise where it is named
 NAMED_BY = tuple(PRICE * (unknowns((NAMES[1], name)) - 1.0) for name in (*NAMES, GAUSS_MARKOV))
 
@@ -125,28 +123,27 @@ def limits_of_many(
 ) -> list[list[Limit]]:
     """Return the same of fits of the same terms, each of which misses the same; covariances of shape (n, k, k)."""
     problem, each, ats = stack.problems[0], range(len(stack)), np.array([one.at for one in missing[0]])
-    none, count = np.zeros(len(fits[0].powers)), len(problem.names)
+    none, count = np.zeros(len(fits[0].powers) + 1), len(problem.names)
     longest = max(range(len(problem.runs)), key=lambda i: problem.runs[i].length)
     runs = [one.runs[longest] for one in stack.problems]
     powers = np.array([one.powers for one in fits])
     positions = np.array([[one.position for one in of] for of in missing])
-    rivals = np.array([[none if one.rival is None else one.rival.powers for one in of] for of in missing])
-    rival_at = np.array([[0.0 if one.rival is None else one.rival.position for one in of] for of in missing])
+    rivals = np.array([[none if one.rival is None else [*one.rival.powers, one.rival.position] for one in of] for of in missing])
     named = np.array([NAMED_BY[min(at, len(LINEAR))] for at in ats.tolist()])
     markov = np.flatnonzero(ats == count)
     likely, at = powers.copy(), positions[:, markov[0]] if len(markov) else np.array([one.position for one in fits])
     likely[:, -1] = 1.0 if len(markov) else powers[:, -1]
     columns = columns_of_longest(problem, runs[0], likely[0], at)
-    edf, found = np.array([one.edf for one in runs]), np.empty((len(stack), len(ats), 4))
+    roots, found = longer(np.array([one.edf for one in runs])), np.empty((len(stack), len(ats), 4))
 
     def fill(
-        places: Indices, steps: Indices, plain: Arrays, beside: Arrays, beside_at: Array, there: NDArray[np.bool_],
+        places: Indices, steps: Indices, plain: Arrays, beside: Triple, beside_at: Array, there: NDArray[np.bool_],
         ended: Array,
     ) -> None:  # fmt: skip
         limit_each(
-            places, steps, stack.shared, stack.found, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
-            len(problem.lines), powers, positions, ats, sigma, SMALLEST, named, rivals, rival_at, columns, edf,
-            DOUBLINGS, KNOWN, ROUNDING, found, ended,
+            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there,
+            len(problem.lines), powers, positions, ats, sigma, SMALLEST, named, rivals, columns, roots, KNOWN, ROUNDING,
+            found, ended,
         )  # fmt: skip
 
     complete(stack, fill, 2 * len(ats), likely, at)
@@ -160,6 +157,19 @@ def limits_of_many(
     ]
 
 
+def longer(edf: Array) -> Array:
+    """Return the roots of half the degrees of freedom of records of 2^0 .. 2^24 times the present one.
+
+    Those go with length over tau; a record of each length has an octave more than the one before. Of edf (n, k) the
+    shape is (n, 25, k + 24), zero at averaging times that a record does not have.
+    """
+    k, more = edf.shape[1], np.arange(DOUBLINGS + 1)[:, None]
+    octave = np.arange(k + DOUBLINGS)
+    back = np.minimum(octave, more)
+    there = octave < k + more
+    return np.asarray(np.sqrt(0.5 * edf[:, np.where(there, octave - back, 0)] * 2.0 ** (more - back)) * there)
+
+
 @dataclass(frozen=True, eq=False)
 class Held:
     """Least cost of a choice of terms with one of its powers held, or its correlation time where ``at`` is beyond."""
@@ -168,11 +178,6 @@ class Held:
     names: tuple[str, ...]
     at: int
     within: tuple[float, float]  # Positions of the correlation time that are searched
-
-    @cached_property
-    def loop(self) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
-        """What loops take that find a root: see ``_kernels.limit_root``."""
-        return loop_of(self.problem, self.names, self.at, self.within)
 
     def fit(self, value: float) -> Fitted:
         """Return the least cost with the power at a value, or the correlation time at a position."""
@@ -187,7 +192,12 @@ class Held:
 
         Of the logarithm of a power over its start, or of the correlation time over that at a position.
         """
-        found = crossing_root(*self.loop, PER_E, start, first, least, step, target, furthest, tolerance)
+        of, timed = self.problem, self.at > len(self.problem.names)
+        wanted, powers = terms_wanted(self.names, len(of.lines)), np.empty(len(of.names) + 1)
+        found = root_of(
+            of.columns, of.table, of.data, wanted, self.at, *self.within, SPACINGS[:2], TIME if timed else POWER, start,
+            PER_E if timed else first, least, step, target, furthest, 0.0, tolerance, powers,
+        )  # fmt: skip
         return None if np.isnan(found) else found
 
 
@@ -263,12 +273,12 @@ def wide_of_many(
     stretches = np.ascontiguousarray(stretches)
 
     def fill(
-        places: Indices, steps: Indices, plain: Arrays, beside: Arrays, beside_at: Array, there: NDArray[np.bool_],
+        places: Indices, steps: Indices, plain: Arrays, beside: Triple, beside_at: Array, there: NDArray[np.bool_],
         ended: Array,
     ) -> None:  # fmt: skip
         end_each(
-            places, steps, stack.shared, stack.found, RULES, SPACINGS, CLOSENESS, plain, beside, beside_at, there,
-            free, powers, fitted, at, stretches, target, FIRST_STEP, WIDEST, found, ended,
+            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there, free, powers, fitted,
+            at, stretches, target, FIRST_STEP, WIDEST, found, ended,
         )  # fmt: skip
 
     complete(stack, fill, 2 * len(ats), powers, fitted[:, 0])

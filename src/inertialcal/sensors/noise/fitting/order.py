@@ -57,10 +57,10 @@ class Choice(NamedTuple):
 
 @cache
 def choices(candidates: tuple[str, ...], lines: int) -> NDArray[np.bool_]:
-    """Return which terms each choice of linear candidates holds, the smallest first, with lines, shape (c, p)."""
+    """Return which terms each choice of linear candidates holds, the smallest first, with lines, shape (c, p + 1)."""
     linear = tuple(name for name in NAMES if name in candidates)
     found = (some for size in range(1, len(linear) + 1) for some in combinations(linear, size))
-    return np.array([terms_wanted(some, lines)[:-1] for some in found]).reshape(-1, len(NAMES) + lines)
+    return np.array([terms_wanted(some, lines) for some in found]).reshape(-1, len(NAMES) + lines + 1)
 
 
 def ranked(stack: Stack, candidates: tuple[str, ...]) -> list[tuple[Choice, ...]]:
@@ -70,13 +70,13 @@ def ranked(stack: Stack, candidates: tuple[str, ...]) -> list[tuple[Choice, ...]
     """
     first = stack.problems[0]
     n, lines = len(stack), len(first.lines)
-    powers, (positions, costs, criteria) = np.empty((n, MOST, len(first.names) + 1)), np.empty((3, n, MOST))
-    counts = np.empty(n, np.int64)
+    powers, fits, counts = np.empty((n, MOST, len(first.names) + 1)), np.empty((n, 3, MOST)), np.empty(n, np.int64)
     rank_each(
-        stack.shared, stack.found, choices(candidates, lines), terms_wanted(candidates, lines), SPACINGS[:2], PRICE,
-        NEARER, powers, positions, costs, criteria, counts,
+        *stack.shared, choices(candidates, lines), terms_wanted(candidates, lines), SPACINGS[:2], PRICE, NEARER, powers,
+        fits, counts,
     )  # fmt: skip
-    each = zip(counts.tolist(), criteria.tolist(), powers, positions.tolist(), costs.tolist(), strict=True)
+    positions, costs, criteria = fits.transpose(1, 0, 2).tolist()
+    each = zip(counts.tolist(), criteria, powers, positions, costs, strict=True)
     bits = _bits(powers)
     return [
         tuple(map(Choice, map(_named, row[:count]), own[:count], rows, at, cost))

@@ -64,9 +64,9 @@ class Problem:
         return np.concatenate([run.tau for run in self.runs])
 
     @cached_property
-    def arrays(self) -> tuple[Array, Array, Array, Array, Array]:
-        """What ``_kernels_chain`` takes of it."""
-        return self.columns, self.table, self.variance, self.weight, self.tau
+    def data(self) -> Array:
+        """Variances, weights and averaging times as ``_kernels_limits`` takes them, shape (3, k)."""
+        return np.array([self.variance, self.weight, self.tau])
 
     @cached_property
     def length(self) -> float:

@@ -22,9 +22,8 @@ from .problem import COMPLETE, LINEAR, Run, Taken, run_that_took
 
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 NONE = np.empty(0)
-Arrays = tuple[
-    Array, Indices, Indices, Indices, NDArray[np.bool_], Array, Array, Array
-]  # As ``fill_spread`` takes them
+Triple = tuple[Array, Array, Array]  # Squares, parts and doubt of a `Spread` with a leading axis
+Arrays = tuple[Indices, Indices, Triple]  # As ``_kernels_each`` takes them
 HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
 
 
@@ -32,28 +31,24 @@ HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take
 class Spread:
     """What the powers of q terms are multiplied with, of k averaging times of all runs."""
 
-    # Averaging times of each pair, shape (p,): those of one run
-    row: NDArray[np.int64]
-    column: NDArray[np.int64]
+    pairs: Indices  # shape (2, p): Averaging times of each pair, which are of one run
+    runs: Indices  # shape (2, k): Which run each averaging time is of, and whether its filter is found
     squares: Array  # shape (q (q + 1) / 2, p): What terms give together, as in ``Squares`` [unit^4]
-    run: NDArray[np.int64]  # shape (k,): Which run each averaging time is of
-    found: NDArray[np.bool_]  # shape (r,): Whether the filter of a run is found
-    lost: Array  # shape (q, k): What it takes, or may take [unit^2]
-    by: Array  # shape (q, k, 2): Slopes of that by the level and the curve of what it leaves
-    doubt: Array  # shape (r, 2, 2): Covariance of these
-
-    @cached_property
-    def arrays(self) -> Arrays:
-        """All of these, as ``_kernels.fill_spread`` takes them."""
-        return self.squares, self.row, self.column, self.run, self.found, self.lost, self.by, self.doubt
+    # shape (q, k, 3): What a filter takes, or may take, and the slopes of that by the level and the curve of what it
+    # leaves [unit^2]
+    parts: Array
+    doubt: Array  # shape (r, 2, 2): Covariance of level and curve, for each run
 
     def covariance(self, powers: Array, left: Array = NONE, tau: Array = NONE) -> Array:
         """Return the covariance of all Allan variances, shape (k, k).
 
         ``left`` is what terms leave unexplained at averaging times ``tau``, each shape (k,); none by default.
         """
-        sigma = np.empty((len(self.run), len(self.run)))
-        fill_spread(powers, *self.arrays, HIDDEN, SHAPE, left, tau, SAME_TAU, sigma)
+        sigma = np.empty((self.runs.shape[1], self.runs.shape[1]))
+        fill_spread(
+            powers, self.squares, self.pairs, self.runs, self.parts, self.doubt, HIDDEN, SHAPE, left, tau, SAME_TAU,
+            sigma,
+        )  # fmt: skip
         return sigma
 
 
@@ -78,14 +73,12 @@ def _spread(taken: tuple[Taken, ...], terms: tuple[Term, ...]) -> Spread:
     each = [_of_run(run, terms) for run in runs]
     sizes = [len(run.m) for run in runs]
     starts = np.cumsum([0, *sizes[:-1]])
+    which = np.repeat(np.arange(len(runs)), sizes)
     return Spread(
-        np.concatenate([one.row + start for (one, *_), start in zip(each, starts, strict=True)]),
-        np.concatenate([one.column + start for (one, *_), start in zip(each, starts, strict=True)]),
+        np.hstack([(one.row + start, one.column + start) for (one, *_), start in zip(each, starts, strict=True)]),
+        np.array([which, np.array([run.band is not None for run in runs])[which]]),
         each[0][0].values if len(each) == 1 else np.concatenate([one.values for one, *_ in each], axis=1),
-        np.repeat(np.arange(len(runs)), sizes),
-        np.array([run.band is not None for run in runs]),
-        np.concatenate([lost for _, lost, _, _ in each], axis=1),
-        np.concatenate([by for *_, by, _ in each], axis=1),
+        np.concatenate([np.concatenate([lost[:, :, None], by], axis=2) for _, lost, by, _ in each], axis=1),
         np.array([doubt for *_, doubt in each]),
     )
 
@@ -125,21 +118,19 @@ def spreads_beside(runs: Sequence[Run], terms: tuple[Term, ...], times: Array) -
     sizes = np.zeros((len(own), q, 5))
     sizes[:, :-1] = np.array(sizes_of(phases)).reshape(-1, 5)
     sizes[:, -1, 0], sizes[:, -1, 1] = -0.5 * linear, point
-    values, parts = np.empty((len(own), q * (q + 1) // 2, k * (k + 1) // 2)), np.column_stack([size, u])[:, None]
+    values, brief = np.empty((len(own), q * (q + 1) // 2, k * (k + 1) // 2)), np.column_stack([size, u])[:, None]
     for some, each in ((size > 0.0, 1), (size <= 0.0, 0)):  # of brief correlation times no exponential is left
         if some.any():
             which, noises = np.full(each, q - 1), (*phases, markov[int(np.argmax(some))])
             row, column, values[some] = squares_of_each(
-                noises, sizes[some], which, parts[some, :each], first.m, first.n, first.inflation
+                noises, sizes[some], which, brief[some, :each], first.m, first.n, first.inflation
             )
-    lost = np.zeros((len(runs), q, k))
+    parts = np.zeros((len(runs), q, k, 3))
     for i, run in enumerate(runs):
         if run.unseen is not None:
-            lost[i] = run.unseen.lost((*phases, markov[of[i]]), run.m)
-    return (
-        values[of] if len(own) > 1 else values, row, column, np.zeros(k, np.int64),
-        np.zeros(1, np.bool_), lost, np.zeros((1, q, k, 2)), np.zeros((1, 1, 2, 2)),
-    )  # fmt: skip
+            parts[i, :, :, 0] = run.unseen.lost((*phases, markov[of[i]]), run.m)
+    spreads = values[of] if len(own) > 1 else values, parts, np.zeros((1, 1, 2, 2))
+    return np.array([row, column]), np.zeros((2, k), np.int64), spreads
 
 
 @lru_cache(64)

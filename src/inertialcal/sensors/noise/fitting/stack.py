@@ -15,9 +15,9 @@ from .._kernels_each import fit_each, know_each
 from ..terms import GaussMarkov, Sinusoid, Term
 from .likelihood import RULES, SPACINGS, Fitted, Sandwich, terms_wanted, time_at
 from .problem import LINEAR, Problem
-from .spread import Arrays, Spread, spread_of, spread_with, spreads_beside
+from .spread import Arrays, Spread, Triple, spread_of, spread_with, spreads_beside
 
-Fill = Callable[[Indices, Indices, Arrays, Arrays, Array, NDArray[np.bool_], Array], None]
+Fill = Callable[[Indices, Indices, Arrays, Triple, Array, NDArray[np.bool_], Array], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,16 +36,14 @@ class Stack:
 
     @cached_property
     def shared(self) -> tuple[Array, Array, Array]:
-        """Columns, table and averaging times."""
+        """Columns and table, and variances, weights and averaging times of each, shape (n, 3, k)."""
         one = self.problems[0]
-        return one.columns, one.table, one.tau
+        return one.columns, one.table, np.array([one.data for one in self.problems])
 
     @cached_property
-    def found(self) -> tuple[Array, Array, Array]:
-        """Variances and their weights, shape (n, k), and misfits, shape (n,)."""
-        of = self.problems
-        variance, weight = np.array([one.variance for one in of]), np.array([one.weight for one in of])
-        return variance, weight, np.array([one.misfit for one in of])
+    def misfits(self) -> Array:
+        """Misfits, shape (n,)."""
+        return np.array([one.misfit for one in self.problems])
 
     @cached_property
     def plain(self) -> Arrays:
@@ -84,10 +82,10 @@ def stacked(spreads: Sequence[Spread]) -> Arrays:
     def one_or_all(arrays: Sequence[Array]) -> Array:
         return arrays[0][None] if all(one is arrays[0] for one in arrays) else np.array(arrays)
 
-    squares, lost, by, doubt = (
-        one_or_all([getattr(one, name) for one in spreads]) for name in ("squares", "lost", "by", "doubt")
+    squares, parts, doubt = (
+        one_or_all([getattr(one, name) for one in spreads]) for name in ("squares", "parts", "doubt")
     )
-    return squares, first.row, first.column, first.run, first.found, lost, by, doubt
+    return first.pairs, first.runs, (squares, parts, doubt)
 
 
 def estimate_each(stack: Stack, wanted: Sequence[Sequence[str]], looks: int = 2) -> list[Fitted]:
@@ -95,7 +93,7 @@ def estimate_each(stack: Stack, wanted: Sequence[Sequence[str]], looks: int = 2)
     count = len(stack.problems[0].lines)
     some = np.array([terms_wanted(tuple(one), count) for one in wanted])
     powers, fitted = np.empty(some.shape), np.empty((len(some), 2))
-    fit_each(stack.shared, stack.found, some, SPACINGS[: 1 + looks], powers, fitted)
+    fit_each(*stack.shared, some, SPACINGS[: 1 + looks], powers, fitted)
     return [Fitted(own, *one) for own, one in zip(powers, fitted.tolist(), strict=True)]
 
 
@@ -120,10 +118,10 @@ def know(stack: Stack, fits: Sequence[Fitted], small: float) -> Known:
     powers, fitted = np.array([one.powers for one in fits]), np.array([one[1:] for one in fits])
     there = powers[0] > 0.0
     spreads = stack.beside(there, fitted[:, 0]) if there[-1] else stack.plain
-    n, k, q = len(stack), len(stack.shared[2]), int(np.count_nonzero(there)) + int(there[-1])
+    n, k, q = len(stack), len(stack.shared[0]), int(np.count_nonzero(there)) + int(there[-1])
     sigma, covariance, naive, tests = np.empty((n, k, k)), np.empty((n, q, q)), np.empty((n, q, q)), np.empty((n, 2))
     know_each(
-        stack.shared, stack.found, RULES, small, spreads, powers, fitted[:, 0].copy(), sigma, covariance, naive, tests
+        *stack.shared, stack.misfits, RULES, small, *spreads, powers, fitted, sigma, covariance, naive, tests
     )
     return Known(powers, fitted, sigma, covariance, naive, tests)
 
@@ -143,9 +141,9 @@ def complete(stack: Stack, fill: Fill, count: int, powers: Array, positions: Arr
             patterns.setdefault(one.tobytes(), []).append(i)
         for pattern, places in patterns.items():
             some, at = np.frombuffer(pattern, dtype=np.bool_).copy(), np.array(places)
-            beside, beside_at = stack.plain, np.full(len(at), np.nan)
+            beside, beside_at = stack.plain[2], np.full(len(at), np.nan)
             if some[-1]:
                 beside_at = ended[at, -1]
-                beside = stack.take(places).beside(some, beside_at)
+                beside = stack.take(places).beside(some, beside_at)[2]
             fill(at, steps, stack.plain, beside, beside_at, some, ended)
         left = np.flatnonzero(steps < count)
