@@ -58,7 +58,7 @@ class _Cache(FunctionCache):
 
 def _compiler(**options: Any) -> Callable[[F], F]:
     def decorate(function: F) -> F:
-        found = numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
+        found = numba.njit(nogil=True, error_model="numpy", **options)(function)
         if isinstance(found, Dispatcher):  # which it is not under NUMBA_DISABLE_JIT
             with suppress(RuntimeError, OSError):  # no folder can be written
                 found._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]
@@ -70,9 +70,12 @@ def _compiler(**options: Any) -> Callable[[F], F]:
     return decorate
 
 
-compiled = _compiler()
-inlined = _compiler(inline="always")  # a part of one loop: it is compiled with it, not once more before
-reordered = _compiler(fastmath={"reassoc", "contract", "nsz"})  # sums may be reordered; nan and infinity are kept
+NO_C: dict[str, Any] = {"no_cfunc_wrapper": True}  # nothing calls loops from C
+compiled = _compiler(**NO_C)
+inlined = _compiler(inline="always", **NO_C)  # a part of one loop: it is compiled with it, not once more before
+reordered = _compiler(
+    fastmath={"reassoc", "contract", "nsz"}, **NO_C
+)  # sums may be reordered; nan and infinity are kept
 
 
 class AtHand:

@@ -155,9 +155,9 @@ def fit_of(
 ) -> tuple[float, float]:  # fmt: skip
     """Fill the powers of least cost of a choice of terms; return the position of the correlation time, and the cost.
 
-    One of the powers is held ``at`` a value, none where that is -1. Gauss-Markov noise, the last of all, is interpolated
-    in the table (cubic). Positions from lo to hi are tried at the first spacing, then about the best at the next ones,
-    and each time that where the parabola through the best and its neighbours is lowest.
+    One of the powers is held ``at`` a value, none where that is -1. Gauss-Markov noise, the last of all, is
+    interpolated in the table (cubic). Positions from lo to hi are tried at the first spacing, then about the best at
+    the next ones, and each time that where the parabola through the best and its neighbours is lowest.
     """
     k, p = columns.shape
     q, held = 0, -1
@@ -353,7 +353,7 @@ def _beyond(rise: float, x: float, stretch: float, short: float, missed: bool) -
         least = lacks - SURE
         other = 1.0 - ONE_SIDED - chance
         beyond = other if other > least else least
-    return beyond
+    return float(beyond)
 
 
 @compiled
@@ -409,7 +409,7 @@ def root_of(
         if brent(state, tolerance):
             break
         x = state[1]
-    return state[1]
+    return float(state[1])
 
 
 @compiled

@@ -60,9 +60,7 @@ def know_each(
             columns, table, data[i], own, at, misfits[i], rules, pairs, runs, squares[i % len(squares)],
             parts[i % len(parts)], doubt[i % len(doubt)], sigma[i],
         )  # fmt: skip
-        fill_bread(
-            columns, table, data[i, 1], own, at, True, rules[0], sigma[i], rules[4], covariance[i], naive[i]
-        )
+        fill_bread(columns, table, data[i, 1], own, at, True, rules[0], sigma[i], rules[4], covariance[i], naive[i])
         dof = k - fill_residuals(columns, table, data[i], rules[0], own, at, sigma[i], residuals)
         tests[i] = 0.0
         if dof > 0:

@@ -1,7 +1,7 @@
 """Compiled covariance of a fit and the root of a rise of its cost: arrays in, preallocated arrays out, no checks.
 
-``columns`` (k, p) are Allan variances of linear terms and lines of size 1, lines last; rows of ``table`` (g, k) those of
-Gauss-Markov noise; rows of ``data`` (3, k) the variances found, their weights and the averaging times; ``powers``
+``columns`` (k, p) are Allan variances of linear terms and lines of size 1, lines last; rows of ``table`` (g, k) those
+of Gauss-Markov noise; rows of ``data`` (3, k) the variances found, their weights and the averaging times; ``powers``
 (p + 1) are all powers, that of Gauss-Markov noise last, whose correlation time lies at ``position`` in the table.
 ``wanted`` (p + 1) says which take part.
 
@@ -116,7 +116,7 @@ def hidden(
         room = ratio if ratio < room or np.isnan(ratio) else room
     for i in range(p + 1):
         own[i] = share * room if i == at else powers[i]
-    return 0.0 < own[at] < np.inf
+    return bool(0.0 < own[at] < np.inf)
 
 
 @compiled

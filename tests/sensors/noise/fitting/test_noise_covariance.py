@@ -178,7 +178,7 @@ def test_fisher_scoring_finds_the_least_cost() -> None:
     D, w = rng.uniform(0.1, 1.0, (9, 3)), rng.uniform(1.0, 50.0, 9)
     s = D @ [1.0, 0.0, 2.0] * rng.gamma(w) / w
     v = np.zeros(3)
-    cost = kernels.scored(D, s, w, -1, 0.0, v, False)
+    cost = kernels.scored(D, np.array([s, w]), -1, 0.0, v, False)
 
     def other(u: Array) -> float:
         mu = D @ u
@@ -188,7 +188,7 @@ def test_fisher_scoring_finds_the_least_cost() -> None:
     assert cost == pytest.approx(best.fun, abs=1e-4)
     assert v == pytest.approx(best.x, abs=0.02)
     plain = np.zeros(3)
-    assert unwrap(kernels.scored)(D, s, w, -1, 0.0, plain, False) == pytest.approx(cost)
+    assert unwrap(kernels.scored)(D, np.array([s, w]), -1, 0.0, plain, False) == pytest.approx(cost)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
@@ -198,9 +198,10 @@ def test_the_search_is_the_same_to_the_bit_before_it_is_compiled(seed: int, p: i
     D, w = np.exp(rng.normal(size=(k, p))), rng.uniform(1.0, 100.0, k)
     s = D @ np.exp(rng.normal(size=p)) * np.exp(0.3 * rng.normal(size=k))
     found = []
-    for search in (kernels.searched, unwrap(kernels.searched)):
+    data, every, spacings = np.array([s, w]), np.ones(p, bool), np.array([5.0, 1.67, 0.3])
+    for search in (kernels.fit_of, unwrap(kernels.fit_of)):
         v = np.zeros(p)
-        found.append((*search(D.copy(), table, 0.0, 59.0, np.array([5.0, 1.67, 0.3]), s, w, -1, 0.0, v), *v))
+        found.append((*search(D[:, : p - 1].copy(), table, data, every, -1, 0.0, 0.0, 59.0, spacings, v), *v))
     assert found[0] == found[1]
 
 

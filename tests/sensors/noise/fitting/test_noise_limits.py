@@ -12,15 +12,14 @@ from noise_records import exact_run
 from scipy import optimize, special
 
 from inertialcal.sensors.noise import _kernels as kernels
-from inertialcal.sensors.noise._kernels_chain import fill_longer
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
 from inertialcal.sensors.noise.fitting.limits import (
-    DOUBLINGS,
     Held,
     Missing,
     end_of,
     interval_of,
     limits_and_records,
+    longer,
     wide_intervals,
 )
 from inertialcal.sensors.noise.fitting.problem import Problem, problem_of
@@ -74,8 +73,7 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
 def test_the_degrees_of_freedom_of_a_longer_record_are_those_of_white_noise() -> None:
     short, long = (exact_run((RandomWalk(1.0),), n, 1.0) for n in (4096, 16384))
     at = [0, *range(4, len(long.edf) - 2)]  # between them neighbouring windows overlap by less than at the longest
-    roots = np.empty((DOUBLINGS + 1, len(short.edf) + DOUBLINGS))
-    fill_longer(short.edf, DOUBLINGS, roots)
+    roots = longer(short.edf[None])[0]
     np.testing.assert_allclose(2.0 * roots[2, : len(long.edf)][at] ** 2, long.edf[at], rtol=0.1)
     assert np.all(roots[2, len(long.edf) :] == 0.0)
 

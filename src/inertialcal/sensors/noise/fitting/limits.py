@@ -128,7 +128,8 @@ def limits_of_many(
     runs = [one.runs[longest] for one in stack.problems]
     powers = np.array([one.powers for one in fits])
     positions = np.array([[one.position for one in of] for of in missing])
-    rivals = np.array([[none if one.rival is None else [*one.rival.powers, one.rival.position] for one in of] for of in missing])
+    given = [[one.rival for one in of] for of in missing]
+    rivals = np.array([[none if one is None else [*one.powers, one.position] for one in of] for of in given])
     named = np.array([NAMED_BY[min(at, len(LINEAR))] for at in ats.tolist()])
     markov = np.flatnonzero(ats == count)
     likely, at = powers.copy(), positions[:, markov[0]] if len(markov) else np.array([one.position for one in fits])
@@ -277,8 +278,8 @@ def wide_of_many(
         ended: Array,
     ) -> None:  # fmt: skip
         end_each(
-            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there, free, powers, fitted,
-            at, stretches, target, FIRST_STEP, WIDEST, found, ended,
+            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there, free, powers,
+            fitted, at, stretches, target, FIRST_STEP, WIDEST, found, ended,
         )  # fmt: skip
 
     complete(stack, fill, 2 * len(ats), powers, fitted[:, 0])

@@ -120,9 +120,7 @@ def know(stack: Stack, fits: Sequence[Fitted], small: float) -> Known:
     spreads = stack.beside(there, fitted[:, 0]) if there[-1] else stack.plain
     n, k, q = len(stack), len(stack.shared[0]), int(np.count_nonzero(there)) + int(there[-1])
     sigma, covariance, naive, tests = np.empty((n, k, k)), np.empty((n, q, q)), np.empty((n, q, q)), np.empty((n, 2))
-    know_each(
-        *stack.shared, stack.misfits, RULES, small, *spreads, powers, fitted, sigma, covariance, naive, tests
-    )
+    know_each(*stack.shared, stack.misfits, RULES, small, *spreads, powers, fitted, sigma, covariance, naive, tests)
     return Known(powers, fitted, sigma, covariance, naive, tests)
 
 
