@@ -278,8 +278,8 @@ def wide_of_many(
         ended: Array,
     ) -> None:  # fmt: skip
         end_each(
-            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there, free, powers,
-            fitted, at, stretches, target, FIRST_STEP, WIDEST, found, ended,
+            places, steps, *stack.shared, stack.misfits, RULES, SPACINGS, *plain, beside, beside_at, there, free,
+            powers, fitted, at, stretches, target, FIRST_STEP, WIDEST, found, ended,
         )  # fmt: skip
 
     complete(stack, fill, 2 * len(ats), powers, fitted[:, 0])
