@@ -105,7 +105,7 @@ def _idle_chains(file: CampaignFile, at: At) -> Iterator[Problem]:
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find requirements on tests, quantities, limits or conditions that cannot be judged."""
     ids = {test.id for test in file.tests}
-    known = _quantities(file)
+    known = _quantities(file) if file.requirements else {}
     for number, one in enumerate(file.requirements):
         for name in one.tests or []:
             if name not in ids:
@@ -165,7 +165,7 @@ def _compensated(file: CampaignFile, one: Requirement, where: str) -> Iterator[P
 def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find decision rules that are not complete, and those that cannot judge a requirement."""
     yield from key_problems(file.decision, ("decision",), at)
-    quantities = _quantities(file)
+    quantities = _quantities(file) if file.requirements else {}  # those of all procedures start slowly
     for number, one in enumerate(file.requirements):
         if one.decision is not None:
             yield from key_problems(one.decision, ("requirements", number, "decision"), at)

@@ -212,18 +212,19 @@ def many_level_sources(
     shares = np.nan_to_num(squares / np.where(judged > 0.0, np.sum(squares, axis=0), 1.0))
     known = np.where(hidden | (judged == 0.0), np.inf, dof)
     each = dof_of_each(shares.reshape(len(squares), -1), known.ravel()).reshape(known.shape)
-    found = []
-    for k in range(len(fits)):
-        own_sources = [
-            Source(between, "A", visible[k], each[k]),
-            Source(f"{between}, as much as may be hidden", "A", unseen[k], level=HIDDEN),
-        ]
-        for name, part in parts.items():
-            if name in stated:
-                own_sources.append(Source(name, "B", part[k], np.inf, stated[name]))
-            else:
-                own_sources.append(Source(name, "A", share * part[k], each[k]))
-        found.append([one for one in own_sources if (one.covariance.diagonal() > 0.0).any()])
+    most = f"{between}, as much as may be hidden"
+    every: list[tuple[str, str, Array, Array | None, Influence | None, str]] = [
+        (between, "A", visible, each, None, ""), (most, "A", unseen, None, None, HIDDEN)
+    ]  # fmt: skip
+    every += [
+        (name, "B", part, None, stated[name], "") if name in stated else (name, "A", share * part, each, None, "")
+        for name, part in parts.items()
+    ]
+    found: list[list[Source]] = [[] for _ in fits]
+    for name, kind, covariances, dofs, influence, level in every:
+        for k in np.flatnonzero((covariances.diagonal(axis1=1, axis2=2) > 0.0).any(axis=1)).tolist():
+            dof = np.inf if dofs is None else dofs[k]
+            found[k].append(Source(name, kind, covariances[k], dof, influence, level))
     return found
 
 
@@ -269,7 +270,8 @@ def _falls_to_one(beyond: Callable[[Array], Array], low: float, high: Array) -> 
             step = -new * (at - old) / (new - value)
             old, value = at, new
             next_at = np.where((old + step > below) & (old + step < above), old + step, 0.5 * (below + above))
-            at = np.where(done | (new == 0.0), old, next_at)  # whatever else is looked for at once
+            here = (new == 0.0) | (np.abs(step) <= ENOUGH)  # by rounding the step may lead out of the bracket
+            at = np.where(done | here, old, next_at)  # whatever else is looked for at once
             done |= np.abs(at - old) <= ENOUGH
             if done.all():
                 break
