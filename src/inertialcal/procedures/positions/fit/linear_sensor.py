@@ -223,8 +223,7 @@ def many_level_sources(
     found: list[list[Source]] = [[] for _ in fits]
     for name, kind, covariances, dofs, influence, level in every:
         for k in np.flatnonzero((covariances.diagonal(axis1=1, axis2=2) > 0.0).any(axis=1)).tolist():
-            dof = np.inf if dofs is None else dofs[k]
-            found[k].append(Source(name, kind, covariances[k], dof, influence, level))
+            found[k].append(Source(name, kind, covariances[k], np.inf if dofs is None else dofs[k], influence, level))
     return found
 
 
