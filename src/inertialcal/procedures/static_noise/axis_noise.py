@@ -7,6 +7,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from contextvars import copy_context
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from threading import Event
 from weakref import WeakKeyDictionary
 
@@ -90,16 +91,16 @@ class AxisNoise:
         others = () if self.fit is None or self.slow_fault else self.fit.rivals
         return (self.terms, *(one.terms for one in others))
 
-    @property
+    @cached_property
     def slow_fault(self) -> Reason:
         """Why slow terms of all records together are not to be told; empty where nothing speaks against them."""
         return next(filter(None, (slow_fault_of(record.run, self.axis) for record in self.records)), Reason())
 
-    @property
+    @cached_property
     def doubt(self) -> str:
         """Why figures of all records together may not hold; empty where nothing speaks against them."""
-        faults = [fault_of(record.run, self.axis) for record in self.records]
-        return next(filter(None, [doubt_of(self.fit), *faults]), "")
+        faults = (fault_of(record.run, self.axis) for record in self.records)
+        return doubt_of(self.fit) or next(filter(None, faults), "")
 
     def for_filters(
         self, kind: Kind, horizon: float | None, take: Sequence[str]

@@ -150,14 +150,17 @@ def unit_of(term: str, parameter: str, kind: Kind | None, file_unit: str) -> str
     return FILE_UNIT if bare == "1" else f"{FILE_UNIT}{bare[1:]}" if bare.startswith("1/") else f"{FILE_UNIT}*{bare}"
 
 
-def quantity_units(kind: Kind | None, file_unit: str) -> dict[str, str]:
+@cache
+def quantity_units(kind: Kind | None, file_unit: str) -> MappingProxyType[str, str]:
     """Return the unit inside of every quantity that noise terms have; lines are not among them."""
-    return {
-        quantity_name(name, parameter, kind): unit_of(name, parameter, kind, file_unit)
-        for name, term in TERMS.items()
-        if name != Sinusoid.name
-        for parameter in term.parameters
-    }
+    return MappingProxyType(
+        {
+            quantity_name(name, parameter, kind): unit_of(name, parameter, kind, file_unit)
+            for name, term in TERMS.items()
+            if name != Sinusoid.name
+            for parameter in term.parameters
+        }
+    )
 
 
 def interval_at(result: Result, row: Row, p: float) -> Interval | None:
@@ -186,6 +189,8 @@ def changes_by(quantity: str, standards: Standards) -> dict[str, float]:
 
 def widened(row: Row, standards: Standards) -> Row:
     """Return the row with what scale factor and clock add to its uncertainty and interval."""
+    if not SOURCES.keys() & standards.keys():
+        return row
     own = math.hypot(*changes_by(row.key.quantity, standards).values())
     if own == 0.0 or row.value is None:
         return row
@@ -212,6 +217,8 @@ def _interval(row: Row, own: float) -> Interval | None:
 
 def with_standards(estimate: Estimate, standards: Standards) -> Estimate:
     """Return the estimate with scale factor and clock as sources, each shared by all that feel it."""
+    if not SOURCES.keys() & standards.keys():
+        return estimate
     found = list(estimate.components)
     for name, said in SOURCES.items():
         relative = [changes_by(key.quantity, standards).get(name, 0.0) for key in estimate.keys]

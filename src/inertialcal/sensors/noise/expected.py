@@ -33,6 +33,7 @@ from .terms import BiasInstability, GaussMarkov, Phase, RandomWalk, RateRandomWa
 
 Deviation = Literal["allan", "hadamard", "modified"]
 BANDS = 300  # folded bands of flicker that are summed on either side
+AT_A_TIME = 256  # frequencies whose bands are summed in one go
 
 
 def expected_variance(
@@ -136,10 +137,13 @@ def density_of_steps(phase: Phase, steps: Array) -> Array:
 
 
 def _folded_flicker(cycles: Array, duty: float) -> Array:
-    """Sum of 1 / (2 |f|) and the averaging over all bands, and the tail of the sum."""
-    at = cycles[..., np.newaxis] + np.arange(-BANDS, BANDS + 1.0)
-    total = np.sum(np.sinc(at * duty) ** 2 / (2.0 * np.abs(at)), axis=-1)
-    return np.asarray(total + 1.0 / (4.0 * (np.pi * duty * (BANDS + 0.5)) ** 2))
+    """Sum of 1 / (2 |f|) and the averaging over all bands, and the tail of the sum; a few frequencies at a time."""
+    bands, each = np.arange(-BANDS, BANDS + 1.0), np.ravel(cycles)
+    total = np.empty(len(each))
+    for first in range(0, len(each), AT_A_TIME):
+        at = each[first : first + AT_A_TIME, np.newaxis] + bands
+        total[first : first + AT_A_TIME] = np.sum(np.sinc(at * duty) ** 2 / (2.0 * np.abs(at)), axis=-1)
+    return np.asarray(total.reshape(np.shape(cycles)) + 1.0 / (4.0 * (np.pi * duty * (BANDS + 0.5)) ** 2))
 
 
 def continuous_spectrum(terms: Term | tuple[Term, ...], frequency: ArrayLike) -> Array:

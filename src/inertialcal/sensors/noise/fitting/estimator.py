@@ -222,7 +222,7 @@ def _results(plain: Sequence[Problem], solutions: Sequence[Solution], wanted: Se
     """Return solutions with the same terms as users see them: the terms found, those that are not, and the tests."""
     stack, there = Stack(tuple([one.problem for one in solutions])), present(solutions[0].fitted)
     names = [name for name in wanted if name not in there]
-    found, missed = _estimated(stack, solutions), _not_identified(stack, solutions, names)
+    found, missed = _estimated(stack, solutions, solutions[0].p), _not_identified(stack, solutions, names)
     return [_result(*one) for one in zip(plain, solutions, found, missed, strict=True)]
 
 
@@ -451,14 +451,14 @@ def _free(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[str, ...]]:
     return [more if one.powers[at] > 0.0 else names for one in estimate_each(stack, [more] * len(stack), looks=1)]
 
 
-def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
-    """Return the terms that have a size, with intervals."""
-    return _estimated(Stack((solution.problem,)), [solution])[0]
+def estimated(solution: Solution, p: float) -> tuple[TermEstimate, ...]:
+    """Return the terms that have a size, with intervals of a probability."""
+    return _estimated(Stack((solution.problem,)), [solution], p)[0]
 
 
-def _estimated(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[TermEstimate, ...]]:
+def _estimated(stack: Stack, solutions: Sequence[Solution], p: float) -> list[tuple[TermEstimate, ...]]:
     """Return the same of solutions with the same terms."""
-    p, problem = solutions[0].p, solutions[0].problem
+    problem = solutions[0].problem
     ats: list[int] = np.flatnonzero(solutions[0].fitted.powers > 0.0).tolist()
     last = len(problem.names)
     wanted = [column for column, at in enumerate(ats) if at < len(LINEAR) or at == last]  # not a line
@@ -467,30 +467,28 @@ def _estimated(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[TermEs
     wide = wide_of_many(stack, fits, [ats[i] for i in wanted], _free(stack, solutions), stretches, p)
     point = float(special.ndtri(0.5 * (1.0 + p)))
     return [
-        _of_solution(one, ats, dict(zip(wanted, own, strict=True)), point)
+        _of_solution(one, p, ats, dict(zip(wanted, own, strict=True)), point)
         for one, own in zip(solutions, wide, strict=True)
     ]
 
 
 def _of_solution(
-    solution: Solution, ats: Sequence[int], wide: Mapping[int, Interval], point: float
+    solution: Solution, p: float, ats: Sequence[int], wide: Mapping[int, Interval], point: float
 ) -> tuple[TermEstimate, ...]:
     problem, powers = solution.problem, solution.fitted.powers
     u = solution.bread.u.tolist()
     found = []
-    for column, (at, interval) in enumerate(_intervals(solution, ats, wide)):
+    for column, (at, interval) in enumerate(_intervals(solution, p, ats, wide)):
         size = math.sqrt(powers[at])
         half = 0.0 if interval.hi is None else 0.5 * (interval.hi - (interval.lo or 0.0)) / point
         first = (size, max(0.5 * u[column] / size, half), interval)
         if at == len(problem.names):
             time = time_at(problem, solution.fitted.position)
-            between = interval_of(problem, solution.fitted, at + 1, solution.bread, solution.p)
+            between = interval_of(problem, solution.fitted, at + 1, solution.bread, p)
             found.append(_found(solution, GAUSS_MARKOV, first, (time, float(time * u[-1]), between)))
         elif at >= len(LINEAR):
             frequency = problem.lines[at - len(LINEAR)]
-            found.append(
-                _found(solution, Sinusoid.name, first, (frequency, 0.0, Interval(frequency, frequency, solution.p)))
-            )
+            found.append(_found(solution, Sinusoid.name, first, (frequency, 0.0, Interval(frequency, frequency, p))))
         else:
             found.append(_found(solution, problem.names[at], first))
     return tuple(found)
@@ -505,21 +503,21 @@ class EstimatedAt:
 
     def __call__(self, p: float) -> tuple[TermEstimate, ...]:
         """Return the terms that have a size, with intervals of this probability."""
-        return self.known[p] if p in self.known else estimated(replace(self.solution, p=p))
+        return self.known[p] if p in self.known else estimated(self.solution, p)
 
 
 def with_intervals(fits: Sequence[NoiseFit], p: float) -> list[NoiseFit]:
     """Return fits that know the terms with intervals of another probability, found together."""
     found = list(fits)
     ways = {i: own for i, own in enumerate(one.estimated_at for one in fits) if isinstance(own, EstimatedAt)}
-    places, solutions = [*ways], [replace(one.solution, p=p) for one in ways.values()]
+    places, solutions = [*ways], [one.solution for one in ways.values()]
     for alike in stacks([one.problem for one in solutions]):
         patterns: dict[tuple[bytes, tuple[str, ...]], list[int]] = {}
         for j in alike:
             patterns.setdefault((_pattern(solutions[j].fitted), solutions[j].candidates), []).append(j)
         for at in patterns.values():
             own = [solutions[j] for j in at]
-            for j, terms in zip(at, _estimated(Stack(tuple([one.problem for one in own])), own), strict=True):
+            for j, terms in zip(at, _estimated(Stack(tuple([one.problem for one in own])), own, p), strict=True):
                 way = ways[places[j]]
                 known = EstimatedAt(way.solution, {**way.known, p: terms})
                 found[places[j]] = replace(fits[places[j]], estimated_at=known)
@@ -527,10 +525,10 @@ def with_intervals(fits: Sequence[NoiseFit], p: float) -> list[NoiseFit]:
 
 
 def _intervals(
-    solution: Solution, ats: Sequence[int], wide: Mapping[int, Interval]
+    solution: Solution, p: float, ats: Sequence[int], wide: Mapping[int, Interval]
 ) -> list[tuple[int, Interval]]:  # fmt: skip
     """Return places of powers and intervals of sizes, with the terms free that were not chosen but may be there."""
-    problem, fitted, bread, p = solution.problem, solution.fitted, solution.bread, solution.p
+    problem, fitted, bread = solution.problem, solution.fitted, solution.bread
     last = len(problem.names)
     without = [{*one.terms} for one in solution.rivals]
     found = []
