@@ -668,20 +668,15 @@ def _root(power: float | None) -> float | None:
 
 
 def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate:
-    """Return all parameters with their covariance: coefficients from powers, times from their logarithm."""
+    """Return all parameters with their covariance, as correlated as powers and the logarithm of a time are."""
     known = [parameter for term in found for parameter in term.parameters if parameter.u > 0.0]
-    fitted = solution.fitted
-    slopes = list(0.5 / np.sqrt(fitted.powers[fitted.powers > 0.0]))
-    if fitted.powers[-1] > 0.0:
-        slopes.append(time_at(solution.problem, fitted.position))
-    covariance = solution.bread.covariance * np.outer(slopes, slopes)
-    wider = np.array([parameter.u for parameter in known]) / np.sqrt(np.diag(covariance))  # terms not chosen are free
-    covariance = covariance * np.outer(wider, wider)
+    covariance = solution.bread.covariance
+    sizes = np.array([parameter.u for parameter in known]) / np.sqrt(covariance.diagonal())  # terms not chosen are free
     names = [parameter.name for parameter in known]  # numbered where one appears more than once: several lines
-    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
-    return Estimate(
-        tuple(Key(name, power=n if names.count(name) > 1 else 0) for name, n in zip(names, counts, strict=True)),
+    powers = [names[: i + 1].count(name) if names.count(name) > 1 else 0 for i, name in enumerate(names)]
+    return Estimate.of_own(
+        tuple([Key(name, power=n) for name, n in zip(names, powers, strict=True)]),
         np.array([parameter.value for parameter in known]),
-        tuple(parameter.unit for parameter in known),
-        (Component("scatter of the noise itself", "A", 0.5 * (covariance + covariance.T)),),
+        tuple([parameter.unit for parameter in known]),
+        (Component("scatter of the noise itself", "A", covariance * np.outer(sizes, sizes)),),
     )
