@@ -104,23 +104,17 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason, b
 
 
 def _missing(result: Result, term: TermEstimate, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
-    """Yield the upper limit of a term that was not found, or that there is none."""
-    reason, limit = Reason("not_found", _why(term)), term.upper_limit
-    others = term.words
+    """Yield the upper limit of a term that was not found, with the record that would show it, or that there is none."""
+    without, limit, others = term.reason, term.upper_limit, term.words
     if limit is not None:
         word, others = term.words[0], term.words[1:]
-        interval = Interval(0.0, limit, 0.95)
-        row = Row(Key(word, axis), limit, None, units[word], None, interval, "upper_limit", reason)
+        interval, needed, said = Interval(0.0, limit, 0.95), term.record_needed, without
+        if needed is not None and needed > term.record:
+            said = f"{without}; {duration(needed)} would show it at this limit"
+        row = Row(Key(word, axis), limit, None, units[word], None, interval, "upper_limit", Reason("not_found", said))
         yield widened(row, result.plan.standards)
-    without = Reason("not_found", term.reason)
-    yield from (not_estimated(Key(word, axis), units[word], without) for word in others)
-
-
-def _why(term: TermEstimate) -> str:
-    """Say why a term was not found, and which record would show it."""
-    if term.record_needed is None or term.record_needed <= term.record:
-        return term.reason
-    return f"{term.reason}; {duration(term.record_needed)} would show it at this limit"
+    for word in others:
+        yield not_estimated(Key(word, axis), units[word], Reason("not_found", without))
 
 
 def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterator[Row]:
