@@ -29,11 +29,11 @@ from ..campaign.engine.engine import (
     screened_samples,
 )
 from ..campaign.engine.reductions import Reduced, waiting_for
-from ..campaign.engine.together import Work, together
+from ..campaign.engine.together import Work, ask, together
 from ..campaign.engine.whole import Whole, tests_of, whole_of
 from ..campaign.file.load import Campaign, campaign_of, standards_of, with_clock
 from ..campaign.inputs.gate import Gate
-from ..campaign.models.build import model_files
+from ..campaign.models.build import model_files_many
 from ..campaign.outcome.results_file import sealed
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.influence import DIES, OF_UNIT
@@ -361,7 +361,9 @@ def _finished(job: Job, unit: _Unit, now: Mapping[str, list[int]]) -> Work[tuple
     if changed:
         raise DataError(changed)
     figures, verdict = whole.figures, whole.verdict
-    models = tuple(sorted(model_files(whole.modelled).items())) if whole.modelled is not None else ()
+    models = ()
+    if whole.modelled is not None:
+        models = tuple(sorted((yield from ask(model_files_many, whole.modelled)).items()))
     inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))
     remarks = [(one.test.id, remark) for one in whole.tested for remark in condensed(one.remarks)]
     if whole.modelled is not None:

@@ -20,7 +20,7 @@ from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
 from ...core.results import changed
 from ...core.units import kind
-from ...files.models.model_json import dump_models
+from ...files.models.model_json import dump_each
 from ...procedures import procedure_names, procedure_of
 from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms_many, kind_of
 from ...procedures.protocol import Procedure, Tested
@@ -419,12 +419,23 @@ def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> 
 
 def model_files(modelled: Modelled) -> dict[str, str]:
     """Return the text of the model file of each sensor, by its name; it holds no model that is worse than none."""
-    models: dict[str, list[SensorModel]] = {}
-    for one in modelled.delivered:
-        assert one.model is not None  # noqa: S101 - it is delivered
-        models.setdefault(one.sensor, []).append(one.model)
-    first = modelled.every[0].sensor if modelled.every else ""
-    return {
-        f"{model_name('' if sensor == first else sensor, '')}.json": dump_models(ModelSet(tuple(every)))
-        for sensor, every in models.items()
-    }
+    return model_files_many([modelled])[0]
+
+
+def model_files_many(given: Sequence[Modelled]) -> list[dict[str, str]]:
+    """Return the same of many units."""
+    named: list[tuple[int, str, ModelSet]] = []
+    for i, modelled in enumerate(given):
+        models: dict[str, list[SensorModel]] = {}
+        for one in modelled.delivered:
+            assert one.model is not None  # noqa: S101 - it is delivered
+            models.setdefault(one.sensor, []).append(one.model)
+        first = modelled.every[0].sensor if modelled.every else ""
+        named += [
+            (i, f"{model_name('' if sensor == first else sensor, '')}.json", ModelSet(tuple(every)))
+            for sensor, every in models.items()
+        ]
+    found: list[dict[str, str]] = [{} for _ in given]
+    for (i, name, _), text in zip(named, dump_each([one for _, _, one in named]), strict=True):
+        found[i][name] = text
+    return found

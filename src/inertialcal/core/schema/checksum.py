@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import DataError
-from .json_text import json_texts
+from .json_text import json_texts_many
 
 CHECKSUM = "checksum"
 EDITED = "edited by hand after it was written: its figures cannot be traced"
@@ -26,8 +26,16 @@ def checksum(content: Mapping[str, object]) -> str:
 
 def sealed_text(content: Mapping[str, object]) -> str:
     """Return a content that is not empty as `json_text`, its checksum the last key."""
-    text, canonical = json_texts(content)
-    return f'{text[:-2]},\n "{CHECKSUM}": "{text_checksum(canonical)}"\n}}\n'
+    return sealed_texts([content])[0]
+
+
+def sealed_texts(contents: Sequence[Mapping[str, object]]) -> list[str]:
+    """Return the same of many contents."""
+
+    def last(canonical: str) -> str:
+        return f',\n "{CHECKSUM}": "{text_checksum(canonical)}"'
+
+    return [text + "\n" for text, _ in json_texts_many(contents, last)]
 
 
 def text_checksum(text: str) -> str:

@@ -11,8 +11,9 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Iterator, Sequence, Set
 from functools import lru_cache
+from itertools import groupby, islice
 from json.encoder import encode_basestring
 from typing import TYPE_CHECKING, Any, TypeGuard
 
@@ -79,10 +80,11 @@ class Filled:
     frame : Frame
         Shared by all that differ in these values alone.
     values : dict
-        By the names of the holes: numbers, None, and arrays of float64.
+        By the names of the holes, in one order for all of a frame: arrays of float64, and whatever else JSON has,
+        filled frames too.
     """
 
-    def __init__(self, frame: Frame, values: dict[str, Array | float | None]) -> None:
+    def __init__(self, frame: Frame, values: dict[str, Any]) -> None:
         self.frame, self.values = frame, values
 
     @property
@@ -101,11 +103,16 @@ def _fill(content: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+Piece = str | tuple[object, str]
+
+
 class _Known:
     """What was written: lists and dicts by identity and line, as long as these are held; and text."""
 
     def __init__(self) -> None:
         self.texts: dict[tuple[int, str], Texts] = {}
+        # Of frames that hold others: text, and in place of each hole for these its value and its line
+        self.pieces: dict[tuple[int, str], tuple[list[Piece], list[Piece]]] = {}
         self.encoded = _Encoded()
 
 
@@ -132,7 +139,106 @@ def json_texts(content: object) -> Texts:
     TypeError
         For a key that is no text, and for what JSON has not.
     """
-    return _texts(content, "\n", _Known())
+    return json_texts_many([content])[0]
+
+
+def json_texts_many(contents: Sequence[object], last: Callable[[str], str] | None = None) -> list[Texts]:
+    """Return the same of many contents; raises as `json_texts` where that refuses one of them.
+
+    Parameters
+    ----------
+    contents : sequence
+        Of any kind; dicts that are not empty where there is a ``last``.
+    last : callable, optional
+        Text that stands behind the last value of a content as it is laid out, by its canonical form.
+    """
+    known = _Known()
+    levels = [list(_frames_in(contents, "\n"))]
+    while levels[-1]:
+        levels.append([inner for one, line in levels[-1] for inner in _frames_of(one, line)])
+    for level in reversed(levels):
+        _write_frames(level, known)
+    found = []
+    for one in contents:
+        laid, canonical = list[str](), list[str]()
+        _gather(one, "\n", known, 0, laid)
+        _gather(one, "\n", known, 1, canonical)
+        whole = "".join(canonical)
+        if last is not None:
+            laid[-1] = laid[-1].removesuffix("\n}") + last(whole) + "\n}"
+        found.append(("".join(laid), whole))
+    return found
+
+
+def _gather(given: object, line: str, known: _Known, form: int, pieces: list[str]) -> None:
+    """Add a value in one form in pieces, so that what is long is joined once; frames in it are written already."""
+    place = id(given), line
+    if place in known.pieces:
+        for piece in known.pieces[place][form]:
+            if type(piece) is str:
+                pieces.append(piece)
+            else:
+                _gather(piece[0], piece[1], known, form, pieces)  # type: ignore[arg-type]
+    elif place not in known.texts and _holds_frames(given):
+        inner = line + " "
+        start, between, stop, colon = (inner, "," + inner, line, ": ") if form == 0 else ("", ",", "", ":")
+        if isinstance(given, dict):
+            names = [*given] if form == 0 else sorted(given)
+            for i, name in enumerate(names):
+                pieces.append(f"{between if i else '{' + start}{known.encoded[name][0]}{colon}")
+                _gather(given[name], inner, known, form, pieces)
+            pieces.append(stop + "}")
+        else:
+            for i, part in enumerate(given):  # type: ignore[arg-type, var-annotated]
+                pieces.append(between if i else "[" + start)
+                _gather(part, inner, known, form, pieces)
+            pieces.append(stop + "]")
+    else:
+        pieces.append(_texts(given, line, known)[form])
+
+
+def _is_list_of_more(given: object) -> TypeGuard[Sequence[object]]:
+    """Whether it is a list that may hold frames."""
+    return type(given) in LISTS and bool(given) and type(given[0]) not in PLAIN  # type: ignore[index]
+
+
+def _holds_frames(given: object) -> bool:
+    return next(_frames_in([given], ""), None) is not None
+
+
+Place = tuple["Filled", str]  # A frame, and the line that it stands in
+
+
+def _frames_in(parts: Sequence[object], line: str) -> Iterator[Place]:
+    """Yield the filled frames in values that stand in one line, but those within these."""
+    for part in parts:
+        if type(part) is Filled:
+            yield part, line
+        elif type(part) is dict:
+            yield from _frames_in([*part.values()], line + " ")
+        elif _is_list_of_more(part):
+            yield from _frames_in(part, line + " ")
+
+
+def _frames_of(one: Filled, line: str) -> Iterator[Place]:
+    lines = _lines_of(one.frame)
+    for name, part in one.values.items():
+        if type(part) not in PLAIN and not _is_array(part):
+            yield from _frames_in([part], line + lines[name])
+
+
+@lru_cache(maxsize=256)
+def _lines_of(frame: Frame) -> dict[str, str]:
+    """Return how much deeper than the frame each of its holes stands, as blanks."""
+
+    def within(content: dict[str, Any], blanks: str) -> Iterator[tuple[str, str]]:
+        for part in content.values():
+            if isinstance(part, Hole):
+                yield part.name, blanks
+            elif isinstance(part, dict):
+                yield from within(part, blanks + " ")
+
+    return dict(within(frame.content, " "))
 
 
 def _texts(given: object, line: str, known: _Known) -> Texts:
@@ -149,7 +255,7 @@ def _texts(given: object, line: str, known: _Known) -> Texts:
     elif isinstance(given, dict):
         found = _texts_of_dict(given, line, known) if given else ("{}", "{}")
     elif isinstance(given, Filled):
-        found = _texts_of_frame(given, line)
+        found = _texts(given.content, line, _Known())
     elif _is_array(given):
         found = _texts(given.tolist(), line, _Known())
     elif isinstance(given, Hole):
@@ -184,64 +290,141 @@ def _frame(names: tuple[str, ...], line: str) -> tuple[str, str, list[int]]:
 
 
 _MARK = re.compile("\0([0-9]+)\0")  # of a hole
-Pattern = tuple[tuple[str, tuple[int, ...] | None, bytes, bytes], ...]
+Shape = tuple[int, ...] | None  # of the array that comes into a hole; None for text
+Fixed = tuple[list[str], list[int]]
+MANY = 1000  # numbers that are worth a call of Arrow
 
 
-def _texts_of_frame(given: Filled, line: str) -> Texts:
-    """Write the numbers that are not zero into the text of all frames that have zeros in the same places."""
-    numbers: list[float] = []
-    pattern: list[tuple[str, tuple[int, ...] | None, bytes, bytes]] = []
-    for name, part in given.values.items():
-        if _is_array(part):
-            flat = part.ravel()
-            at = flat.view("i8").nonzero()[0]  # -0.0 is no zero
-            own = flat[at]
-            nulls = b""
-            if name in given.frame.endless:
-                endless = own == math.inf
-                own, nulls = own[~endless], endless.tobytes()
-            pattern.append((name, part.shape, at.tobytes(), nulls))
-            numbers += own.tolist()
-        elif part:
-            pattern.append((name, (), b"", b""))
-            numbers.append(float(part))
-        else:
-            pattern.append((name, None, repr(part).encode(), b""))
-    every = [*dict.fromkeys(numbers)]  # a covariance has most of its numbers twice
-    known = dict(zip(every, map(float.__repr__, every), strict=True))
-    texts = [known[one] for one in numbers]
-    _check_finite("".join(texts))
-    forms = []
-    for fixed, order in _pattern_texts(given.frame, line, tuple(pattern)):
-        pieces = [""] * (2 * len(order) + 1)
-        pieces[::2] = fixed
+def _write_frames(every: Sequence[Place], known: _Known) -> None:
+    """Write filled frames: numbers that are not zero into the text of all that have zeros in the same places."""
+    alike: dict[tuple[Frame, str, tuple[Shape, ...]], list[Filled]] = {}
+    for one, line in every:
+        shapes = tuple([part.shape if _is_array(part) else () if type(part) is float else None
+                        for part in one.values.values()])  # fmt: skip
+        alike.setdefault((one.frame, line, shapes), []).append(one)
+    groups = [(frame, line, shapes, filled, *_numbers_of(frame, shapes, filled))
+              for (frame, line, shapes), filled in alike.items()]  # fmt: skip
+    texts = iter(number_texts([numbers for *_, numbers in groups]))
+    for frame, line, shapes, filled, bits, counts, _ in groups:
+        for one, (zeros, nulls), count in zip(filled, bits, counts, strict=True):
+            _write_frame(one, line, shapes, _frame_pieces(frame, line, tuple(one.values), shapes, zeros, nulls),
+                         [*islice(texts, count)], known)  # fmt: skip
+
+
+def _write_frame(
+    one: Filled, line: str, shapes: tuple[Shape, ...], fixed: Sequence[Fixed], numbers: list[str], known: _Known
+) -> None:
+    """Put the text of its values and numbers between the fixed pieces of a frame, in both forms."""
+    lines, deep, said = _lines_of(one.frame), False, list[tuple[Piece, Piece]]()
+    for (name, part), shape in zip(one.values.items(), shapes, strict=True):
+        if shape is None:
+            inner = line + lines[name]
+            if type(part) not in PLAIN and _holds_frames(part):
+                deep = True
+                said.append(((part, inner), (part, inner)))
+            else:
+                said.append(_texts(part, inner, known))
+    forms: list[list[Piece]] = []
+    for form, (between, order) in enumerate(fixed):
+        texts: list[Piece] = [*[text[form] for text in said], *numbers]
+        pieces: list[Piece] = [""] * (2 * len(order) + 1)
+        pieces[::2] = between
         pieces[1::2] = [texts[i] for i in order]
-        forms.append("".join(pieces))
-    return forms[0], forms[1]
+        forms.append(pieces)
+    if deep:
+        known.pieces[id(one), line] = _joined(forms[0]), _joined(forms[1])
+    else:
+        known.texts[id(one), line] = "".join(forms[0]), "".join(forms[1])  # type: ignore[arg-type]
+
+
+def _joined(pieces: Sequence[Piece]) -> list[Piece]:
+    """Return pieces with text that stands together as one."""
+    found: list[Piece] = []
+    for is_text, run in groupby(pieces, lambda one: type(one) is str):
+        found += ["".join(run)] if is_text else run  # type: ignore[arg-type]
+    return found
+
+
+def _numbers_of(
+    frame: Frame, shapes: tuple[Shape, ...], filled: Sequence[Filled]
+) -> tuple[list[tuple[bytes, bytes]], list[int], Array]:
+    """Return where the numbers of each frame are zero, and null, a bit each; how many others it has; all of these."""
+    import numpy as np  # noqa: PLC0415 - see `_is_array`
+
+    own = [(name, shape) for name, shape in zip(filled[0].values, shapes, strict=True) if shape is not None]
+    if not own:
+        return [(b"", b"")] * len(filled), [0] * len(filled), np.zeros(0)
+    every = np.concatenate([one.values[name] for one in filled for name, _ in own], axis=None)
+    every = every.reshape(len(filled), -1)
+    there = every.view("i8") != 0  # -0.0 is no zero
+    zeros = [row.tobytes() for row in np.packbits(there, axis=1)]
+    nulls = [b""] * len(filled)
+    if frame.endless:
+        ends = np.repeat([name in frame.endless and shape != () for name, shape in own],
+                         [math.prod(shape) for _, shape in own])  # fmt: skip
+        null = (every == math.inf) & ends
+        nulls = [row.tobytes() for row in np.packbits(null, axis=1)]
+        there &= ~null
+    found = every[there]
+    if not np.isfinite(found).all():
+        raise ValueError("JSON has no NaN and no infinity")
+    return [*zip(zeros, nulls, strict=True)], there.sum(axis=1).tolist(), found
+
+
+def number_texts(parts: Sequence[Array]) -> list[str]:
+    """Return the shortest text of each number that reads back to the same, as ``repr`` gives it.
+
+    Parameters
+    ----------
+    parts : sequence of ndarray, shape (n,)
+        Of numbers that are finite, and not zero.
+    """
+    if sum(map(len, parts)) < MANY:
+        return [float.__repr__(one) for part in parts for one in part.tolist()]
+    import numpy as np  # noqa: PLC0415 - see `_is_array`
+    import pyarrow as pa  # noqa: PLC0415 - the same
+
+    numbers = np.concatenate(parts)
+    # Arrow writes the same digits, but 1 in place of 1.0, 0.00001 and 1e-8 in place of 1e-05 and 1e-08
+    found: list[str] = pa.array(numbers).cast(pa.string()).to_pylist()
+    size = np.abs(numbers)
+    whole = (size < 1e9) & (numbers == np.rint(numbers))
+    for place in np.flatnonzero(whole).tolist():
+        found[place] += ".0"
+    alike = whole | ((size > 1e-99) & (size < 1e-9)) | ((size >= 1e-4) & (size < 1e9))
+    other = np.flatnonzero(~alike)
+    for place, one in zip(other.tolist(), numbers[other].tolist(), strict=True):
+        found[place] = float.__repr__(one)
+    return found
 
 
 @lru_cache(maxsize=1024)
-def _pattern_texts(frame: Frame, line: str, pattern: Pattern) -> Sequence[tuple[list[str], list[int]]]:
-    """Return a frame in both forms, in pieces between its numbers, and which number comes into each gap."""
+def _frame_pieces(
+    frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...], zeros: bytes, nulls: bytes
+) -> Sequence[Fixed]:
+    """Return a frame in both forms, in pieces between its holes, and which text, or number, comes into each gap."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
+    sizes = [0 if shape is None else math.prod(shape) for shape in shapes]
+    there, ended = (
+        np.unpackbits(np.frombuffer(bits, dtype=np.uint8)).tolist() if bits else [0] * sum(sizes)
+        for bits in (zeros, nulls)
+    )  # fmt: skip
     values: dict[str, object] = {}
-    count = 0
-    for name, shape, at, endless in pattern:
+    texts, count, start = 0, sum(shape is None for shape in shapes), 0
+    for name, shape, size in zip(names, shapes, sizes, strict=True):
         if shape is None:
-            values[name] = None if at == b"None" else float(at)
+            values[name], texts = Hole(str(texts)), texts + 1
             continue
-        cells: list[object] = [0.0] * math.prod(shape)
-        nulls = np.frombuffer(endless, dtype=bool).tolist() if endless else []
-        for k, place in enumerate(np.frombuffer(at, dtype=np.intp).tolist() if shape else [0]):
-            if nulls and nulls[k]:
-                cells[place] = None
-            else:
-                cells[place] = Hole(str(count))
-                count += 1
-        for size in reversed(shape[1:]):
-            cells = [cells[i : i + size] for i in range(0, len(cells), size)]
-        values[name] = cells if shape else cells[0]
+        cells = np.zeros(size, dtype=object)
+        for k in range(size):
+            cells[k] = 0.0
+            if ended[start + k]:
+                cells[k] = None
+            elif there[start + k]:
+                cells[k], count = Hole(str(count)), count + 1
+        start += size
+        values[name] = cells.reshape(shape).tolist()
     laid, canonical = _texts(_fill(frame.content, values), line, _Known())
     return [(_MARK.split(text)[::2], [*map(int, _MARK.findall(text))]) for text in (laid, canonical)]
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from typing import NoReturn
 
 from ...core.errors import DataError, InertialcalError
-from ...core.schema.checksum import check_unchanged, sealed_text
+from ...core.schema.checksum import check_unchanged, sealed_texts
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
-from ...sensors.model.serial import FIRST, SCHEMA_VERSION, content_of, from_dict
+from ...sensors.model.serial import FIRST, SCHEMA_VERSION, contents_of, from_dict
 from ..source import load
 from ..write.atomic import atomic_write
 from .model_format import ImportedModels, ModelFormat, ModelText, of_one
@@ -35,7 +36,12 @@ def dump_model(model: SensorModel) -> str:
 
 def dump_models(models: SensorModel | ModelSet) -> str:
     """Return the text of ``model.json``: the same models give the same bytes."""
-    return sealed_text(content_of(models))
+    return dump_each([models])[0]
+
+
+def dump_each(every: Sequence[SensorModel | ModelSet]) -> list[str]:
+    """Return the text of each of many files."""
+    return sealed_texts(contents_of(every))
 
 
 def read_models(path: str | os.PathLike[str]) -> ModelSet:

@@ -9,10 +9,11 @@ infinite degrees of freedom are null.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from itertools import groupby
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from .sensitivity import PARTS, Sensitivity
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
 from .terms import SHAPES, parameter_keys
 
+T = TypeVar("T")
 FORMAT = "inertialcal model"
 SCHEMA_VERSION = 2
 FIRST = 1  # version of files that hold one model, without condition, sensitivities and noise
@@ -71,8 +73,30 @@ def to_dict(models: ModelSet | SensorModel) -> dict[str, Any]:
 
 def content_of(models: ModelSet | SensorModel) -> dict[str, Any]:
     """Return the same as ``json_texts`` takes it: arrays in place of lists, and frames of what units have alike."""
-    every = models if isinstance(models, ModelSet) else ModelSet((models,))
-    return {**WORDS, "models": {condition: _content(one) for condition, one in every.items()}}
+    return contents_of([models])[0]
+
+
+def contents_of(every: Sequence[ModelSet | SensorModel]) -> list[dict[str, Any]]:
+    """Return the same of many files; what they have alike is one object in all of them."""
+    alike = _Alike()
+    sets = [one if isinstance(one, ModelSet) else ModelSet((one,)) for one in every]
+    return [
+        {**WORDS, "models": {condition: _content(one, alike) for condition, one in models.items()}} for models in sets
+    ]
+
+
+class _Alike:
+    """Plain values of what several models have: by the objects that they are made of, which the models hold."""
+
+    def __init__(self) -> None:
+        self.known: dict[tuple[object, ...], Any] = {}
+
+    def of(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
+        """Return what was made for a key; make it where that is nothing yet."""
+        if key not in self.known:
+            self.known[key] = make()
+        found: T = self.known[key]
+        return found
 
 
 def _plain_values(content: Any) -> Any:
@@ -85,43 +109,89 @@ def _plain_values(content: Any) -> Any:
     return [_plain_values(part) for part in content] if isinstance(content, list) else content
 
 
-def _content(model: SensorModel) -> dict[str, Any]:
+def _content(model: SensorModel, alike: _Alike) -> Filled:
     """Return the model as text, numbers, lists, arrays, and null for what is absent."""
+    influences = sorted(model.influences.items())
+    named = [*model.provenance.values()]
+    item, chain, estimate, noise = model.item, model.chain, model.estimate, model.noise
+    return Filled(
+        MODEL,
+        {
+            "kind": model.kind,
+            "axes": alike.of(("axes", model.axes), lambda: list(model.axes)),
+            "unit": model.unit,
+            "maker": item.maker,
+            "part": item.part,
+            "serial": item.serial,
+            **{name: getattr(model, name) for name in PLAIN},
+            **{f"term {name}": getattr(model, name) for name in SHAPES},
+            "sensitivities": [
+                {
+                    "channel": one.channel,
+                    "unit": one.unit,
+                    "reference": float(one.reference),
+                    **{part: _list(getattr(one, part)) for part in PARTS},
+                    "range": _list(one.range),
+                }
+                for one in model.sensitivities
+            ],
+            "chain": None if chain is None else alike.of(("chain", id(chain)), lambda: _chain_to_dict(chain)),
+            "temperature_range": _list(model.temperature_range),
+            "pressure_range": _list(model.pressure_range),
+            "estimate": None if estimate is None else _estimate_content(estimate, alike),
+            "noise": None if noise is None else _noise_content(noise, alike),
+            "not_estimated": alike.of(
+                ("not_estimated", *model.not_estimated.items()), lambda: dict(model.not_estimated)
+            ),
+            "provenance": alike.of(
+                ("provenance", *model.provenance, *_same(named)), lambda: _provenance_content(model.provenance)
+            ),
+            "influences": alike.of(
+                ("influences", *[(name, id(one)) for name, one in influences]),
+                lambda: {name: influence_fields(one) for name, one in influences},
+            ),
+            "occasion": alike.of(
+                ("occasion", model.occasion, model.tests),
+                lambda: model.occasion._asdict() | {"tests": list(model.tests)},
+            ),
+            "selections": [
+                {
+                    "sha256": list(one.sha256),
+                    "groups": list(one.groups),
+                    "windows": [list(pair) for pair in one.windows],
+                }
+                for one in model.selections
+            ],
+        },
+    )
+
+
+MODEL = Frame(
+    {name: Hole(name) for name in ("kind", "axes", "unit")}
+    | {"item": {name: Hole(name) for name in ("maker", "part", "serial")}}
+    | {name: Hole(name) for name in PLAIN}
+    | {"terms": {name: Hole(f"term {name}") for name in SHAPES}}
+    | {
+        name: Hole(name)
+        for name in ("sensitivities", "chain", "temperature_range", "pressure_range", "estimate", "noise",
+                     "not_estimated", "provenance", "influences", "occasion", "selections")
+    }
+)  # fmt: skip
+ESTIMATE = Frame({name: Hole(name) for name in ("names", "values", "units", "components")})
+NOISE = Frame({name: Hole(name) for name in ("names", "values", "units", "components", "keys")})
+
+
+def _same(named: Sequence[Provenance]) -> list[tuple[Provenance, int]]:
+    """Return each that is another one, and how many times it stands there."""
+    return [(one, sum(1 for _ in group)) for one, group in groupby(named)]
+
+
+def _provenance_content(provenance: Mapping[str, Provenance]) -> dict[str, dict[str, Any]]:
     sources: dict[Provenance, dict[str, Any]] = {}
-    for made in model.provenance.values():
+    for made in provenance.values():
         if made not in sources:
             sources[made] = {"test": made.test, "recordings": list(made.recordings), "source": made.source}
-    return {
-        "kind": model.kind,
-        "axes": list(model.axes),
-        "unit": model.unit,
-        "item": {"maker": model.item.maker, "part": model.item.part, "serial": model.item.serial},
-        **{name: getattr(model, name) for name in PLAIN},
-        "terms": {name: getattr(model, name) for name in SHAPES},
-        "sensitivities": [
-            {
-                "channel": one.channel,
-                "unit": one.unit,
-                "reference": float(one.reference),
-                **{part: _list(getattr(one, part)) for part in PARTS},
-                "range": _list(one.range),
-            }
-            for one in model.sensitivities
-        ],
-        "chain": None if model.chain is None else _chain_to_dict(model.chain),
-        "temperature_range": _list(model.temperature_range),
-        "pressure_range": _list(model.pressure_range),
-        "estimate": None if model.estimate is None else _estimate_content(model.estimate),
-        "noise": None if model.noise is None else _noise_content(model.noise),
-        "not_estimated": dict(model.not_estimated),
-        "provenance": {name: sources[one] for name, one in model.provenance.items()},
-        "influences": {name: influence_fields(one) for name, one in sorted(model.influences.items())},
-        "occasion": model.occasion._asdict() | {"tests": list(model.tests)},
-        "selections": [
-            {"sha256": list(one.sha256), "groups": list(one.groups), "windows": [list(pair) for pair in one.windows]}
-            for one in model.selections
-        ],
-    }
+    return {name: sources[one] for name, one in provenance.items()}
 
 
 def _chain_to_dict(chain: Chain) -> dict[str, Any]:
@@ -273,10 +343,13 @@ def _shared(content: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _noise_content(noise: Estimate) -> dict[str, Any]:
+def _noise_content(noise: Estimate, alike: _Alike) -> Filled:
     """Return noise terms with what each is of: its name is no parameter's, so the key stands beside it."""
-    keys = [{"quantity": key.quantity, "axis": key.axis, "power": key.power} for key in noise.keys]
-    return _estimate_content(noise) | {"keys": keys}
+    keys = alike.of(
+        ("keys", noise.keys),
+        lambda: [{"quantity": key.quantity, "axis": key.axis, "power": key.power} for key in noise.keys],
+    )
+    return Filled(NOISE, _estimate_content(noise, alike).values | {"keys": keys})
 
 
 def _noise(content: Mapping[str, Any]) -> Estimate:
@@ -284,18 +357,19 @@ def _noise(content: Mapping[str, Any]) -> Estimate:
     return replace(_estimate(content, ()), given=keys)
 
 
-def _estimate_content(estimate: Estimate) -> dict[str, Any]:
-    return {
-        "names": list(estimate.names),
+def _estimate_content(estimate: Estimate, alike: _Alike) -> Filled:
+    values = {
+        "names": alike.of(("list", estimate.names), lambda: list(estimate.names)),
         "values": estimate.values,
-        "units": list(estimate.units),
+        "units": alike.of(("list", estimate.units), lambda: list(estimate.units)),
         "components": [_component_content(one) for one in estimate.components],
     }
+    return Filled(ESTIMATE, values)
 
 
 def _component_content(one: Component) -> Filled:
     dof = one.dof if isinstance(one.dof, np.ndarray) else finite(one.dof)
-    values: dict[str, Array | float | None] = {"covariance": one.covariance, "dof": dof, "changes": one.changes}
+    values: dict[str, Any] = {"covariance": one.covariance, "dof": dof, "changes": one.changes}
     unit = None
     if one.stated is not None:
         values["u"], unit = float(one.stated[0]), one.stated[1]
