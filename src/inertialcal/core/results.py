@@ -148,12 +148,6 @@ class Row:
         found.__post_init__()
         return found
 
-    def named(self, test: str) -> Row:
-        """Return the row as one of a test."""
-        found = object.__new__(type(self))
-        found.__dict__.update(self.__dict__, test=test)
-        return found
-
     @property
     def quantity(self) -> str:
         """The field's word, with the power of a coefficient: ``"bias_temperature_2"``."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import combinations
 from typing import Literal, get_args
 
@@ -15,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.curve import Curve
-from ..core.errors import PlanError
-from ..core.estimate import Array, Component, Estimate
+from ..core.errors import DataError, InertialcalError, PlanError
+from ..core.estimate import Array, Component, Estimate, Sources
 from ..core.key import Key, Origin
 from ..core.remarks import Remark
 from ..core.results import Row, changed
@@ -141,24 +142,59 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
         ``terms_twice`` if two parts give one parameter, and neither was taken off before the other; ``plans_differ``
         if they refer to different temperatures, or ideal scale factors.
     """
-    first, *others = parts
-    if not others:
-        return first
-    for one, other in combinations(parts, 2):
-        _check_once(one, other)
+    (found,) = joined_terms_many([parts])
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def joined_terms_many(given: Sequence[Sequence[ModelTerms]]) -> list[ModelTerms | InertialcalError]:
+    """Return what `joined_terms` gives of the parts of each of many models, of many units, or why it is refused."""
+    found: list[ModelTerms | InertialcalError | None] = [parts[0] if len(parts) == 1 else None for parts in given]
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for i, parts in enumerate(given):
+        try:
+            for one, other in combinations(parts, 2):
+                _check_once(one, other)
+        except PlanError as error:
+            found[i] = error
+        if found[i] is None:
+            alike.setdefault(tuple([_form(one) for one in parts]), []).append(i)
+    for places in alike.values():
+        for i, estimate in zip(places, _joint([given[i] for i in places]), strict=True):
+            try:
+                found[i] = estimate if isinstance(estimate, DataError) else _joined(given[i], estimate)
+            except PlanError as error:
+                found[i] = error
+    return [one for one in found if one is not None]
+
+
+def _form(one: ModelTerms) -> tuple[object, ...] | None:
+    """Return what two units have alike if their terms are joined together: the sources of uncertainty."""
+    if one.estimate is None or not one.parameters:
+        return None
+    sources = [
+        (each.given, each.kind, each.distribution, each.unknowns, each.term,
+         None if each.changes is None else len(each.changes))
+        for each in one.estimate.components
+    ]  # fmt: skip
+    return (one.tests, *sources)
+
+
+def _joined(parts: Sequence[ModelTerms], estimate: Estimate | None) -> ModelTerms:
+    """Return terms of several reductions as those of one model, with their joint estimate."""
+    keys = tuple(dict.fromkeys([key for one in parts for key in one.parameters]))
     axes = tuple(dict.fromkeys(axis for one in parts for axis in one.axes))
-    keys = tuple(key for key in dict.fromkeys(key for one in parts for key in one.parameters))
-    scaled = next((one for one in parts if one.output_unit is not None or _is_scaled(one)), first)
-    known = [one for one in parts if one.estimate is not None and one.parameters]
+    scaled = next((one for one in parts if one.output_unit is not None or _is_scaled(one)), parts[0])
     origins: dict[tuple[int, ...], Provenance] = {}  # of terms that come from the same
     provenance = {}
     for key in keys:
         found = [one.provenance[key] for one in parts if key in one.provenance]
-        same = tuple(id(one) for one in found)
+        same = tuple([id(one) for one in found])
         provenance[key] = origins[same] if same in origins else origins.setdefault(same, _origins(found))
     return changed(
         scaled,
-        estimate=_joint([one for one in known if one.estimate is not None], keys) if known else None,
+        estimate=estimate,
         parameters=keys,
         axes=axes,
         provenance=provenance,
@@ -180,17 +216,6 @@ def _is_scaled(one: ModelTerms) -> bool:
     return bool((given != 1.0).any()) if isinstance(given, np.ndarray) else given != 1.0
 
 
-def joined_terms_many(given: Sequence[Sequence[ModelTerms]]) -> list[ModelTerms | PlanError]:
-    """Return what `joined_terms` gives of the parts of each of many models, of many units, or why it is refused."""
-    found: list[ModelTerms | PlanError] = []
-    for parts in given:
-        try:
-            found.append(joined_terms(parts))
-        except PlanError as error:
-            found.append(error)
-    return found
-
-
 def _check_once(one: ModelTerms, other: ModelTerms) -> None:
     """Refuse two parts that give one parameter; a value that was found after the other adds to it."""
     after = {*one.tests} & {*other.after} or {*other.tests} & {*one.after}
@@ -207,42 +232,88 @@ def _check_once(one: ModelTerms, other: ModelTerms) -> None:
         raise PlanError(what, why="a model has each term once", do=do, code="terms_twice")
 
 
-def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
-    """Return the values of all parts with their covariance; those of one key add."""
-    at, n = {key: i for i, key in enumerate(keys)}, len(keys)
-    values, units = np.zeros(n), [""] * n
-    whole: list[Component] = []
-    shared: dict[Origin, list[tuple[Component, Sequence[str]]]] = {}
-    for part in parts:
-        own = part.estimate
-        assert own is not None  # noqa: S101 - the caller has looked
-        places = {key: i for i, key in enumerate(own.keys)}
-        taken, place = (
-            np.array([places[key] for key in part.parameters]),
-            np.array([at[key] for key in part.parameters]),
-        )
-        for i, k in zip(place.tolist(), taken.tolist(), strict=True):
-            value, unit = own.values[k], own.units[k]
-            values[i] += value if not units[i] else value * factor(unit, units[i], difference=True)
-            units[i] = units[i] or unit
-        dof = np.full((len(own.components), n), np.inf)
-        for row, one in zip(dof, own.components, strict=True):
-            row[place] = one.dof[taken] if isinstance(one.dof, np.ndarray) else one.dof
-        spread = _spread([one.changes for one in own.components], taken, place, n)
-        covariance = np.zeros((len(own.components), n, n))
-        if own.components:
-            found = np.array([one.covariance for one in own.components])
-            covariance[:, place[:, None], place] = found[:, taken[:, None], taken]
-        for one, square, free, changes in zip(own.components, covariance, dof, spread, strict=True):
-            names, origin = _labels(one), one.origin
-            moved = one.changed(covariance=square, dof=free, changes=changes)
-            if names is not None:
-                shared.setdefault(origin, []).append((moved, names))
-                continue
-            own_origin = origin if origin.test else origin._replace(test=", ".join(part.tests))
-            whole.append(moved.changed(given=own_origin))
+Taken = tuple[tuple[Key, ...], tuple[Key | str, ...], tuple[str, ...]]  # Parameters of a part; its values and units
+
+
+@lru_cache(maxsize=256)
+def _layout(parts: tuple[Taken, ...]) -> tuple[tuple[Key, ...], tuple[str, ...], list[tuple[list[int], list[float]]]]:
+    """Return keys and units of the values of several parts together, and of each part its value behind each of them.
+
+    That is its place in the part, -1 where it has none, and the factor that takes it to the unit.
+    """
+    keys = tuple(dict.fromkeys(key for parameters, _, _ in parts for key in parameters))
+    units: dict[Key, str] = {}
+    found = []
+    for parameters, given, its in parts:
+        at = {key: i for i, key in enumerate(given)}
+        places = [at[key] if key in parameters else -1 for key in keys]
+        factors = [0.0 if place < 0 else factor(its[place], units.setdefault(key, its[place]), difference=True)
+                   for key, place in zip(keys, places, strict=True)]  # fmt: skip
+        found.append((places, factors))
+    return keys, tuple([units[key] for key in keys]), found
+
+
+def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | None | DataError]:
+    """Return the values of all parts of each of several models, with their covariance; those of one key add.
+
+    The models have the same sources of uncertainty, part by part.
+    """
+    held = [[(one, one.estimate) for one in parts if one.estimate is not None and one.parameters] for parts in given]
+    count = len(given)
+    if not held[0]:
+        return [None] * count
+    layouts = [_layout(tuple([(part.parameters, own.keys, own.units) for part, own in parts])) for parts in held]
+    n = max(len(keys) for keys, _, _ in layouts)
+    values = np.zeros((count, n))
+    whole: list[Sources] = []
+    shared: dict[Origin, list[tuple[Sources, Sequence[str]]]] = {}
+    for j, (part, first) in enumerate(held[0]):
+        every = [parts[j][1] for parts in held]
+        place, scale = np.full((count, n), -1), np.zeros((count, n))
+        for i, (keys, _, taken) in enumerate(layouts):
+            place[i, : len(keys)], scale[i, : len(keys)] = taken[j]
+            values[i] += scale[i] * every[i].values[place[i]]
+        for one, source in zip(first.components, _sources_of(every, place), strict=True):
+            names = _labels(one)
+            if names is None:
+                origin = one.origin if one.origin.test else one.origin._replace(test=", ".join(part.tests))
+                whole.append(replace(source, given=origin))
+            else:
+                shared.setdefault(one.origin, []).append((source, names))
     whole += [_together(origin, each) for origin, each in shared.items()]
-    return Estimate.of_own(tuple(keys), values, tuple(units), tuple(whole))
+    keys_of, units_of = [keys for keys, _, _ in layouts], [units for _, units, _ in layouts]
+    if whole:
+        return Estimate.of_each(keys_of, values, units_of, whole)
+    rows = zip(keys_of, values, units_of, strict=True)
+    return [Estimate.of_own(keys, row[: len(keys)], units, ()) for keys, row, units in rows]
+
+
+def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp]) -> list[Sources]:
+    """Return the sources of several units, the same of all, each for the values at some places; at -1 there is none."""
+    first, count = every[0].components, len(every)
+    k = max(len(one.values) for one in every) + 1  # the last is blank
+    sizes = [0 if part.changes is None else len(part.changes) for part in first]
+    stops = np.cumsum(sizes).tolist()
+    square, dof = np.zeros((len(first), count, k, k)), np.full((len(first), count, k), np.inf)
+    moved = np.zeros((sum(sizes), count, k))
+    for i, one in enumerate(every):
+        own, n = one.components, len(one.values)
+        if own:
+            square[:, i, :n, :n] = [part.covariance for part in own]
+        for row, part in zip(dof, own, strict=True):
+            row[i, :n] = part.dof
+        if len(moved):
+            moved[:, i, :n] = np.concatenate([part.changes for part in own if part.changes is not None])
+    unit = np.arange(count)[:, None]
+    square, dof = square[:, unit[:, None], place[:, :, None], place[:, None]], dof[:, unit, place]
+    moved = moved[:, unit, place].swapaxes(0, 1)
+    return [
+        Sources(
+            one.given, one.kind, square[j], dof[j], one.distribution, [each.components[j].stated for each in every],
+            None if one.changes is None else moved[:, stop - size : stop], one.unknowns, one.term,
+        )
+        for j, (one, stop, size) in enumerate(zip(first, stops, sizes, strict=True))
+    ]  # fmt: skip
 
 
 def _spread(
@@ -272,24 +343,19 @@ def _labels(one: Component) -> Sequence[str] | None:
     return None
 
 
-def _together(origin: Origin, each: Sequence[tuple[Component, Sequence[str]]]) -> Component:
+def _together(origin: Origin, each: Sequence[tuple[Sources, Sequence[str]]]) -> Sources:
     """Return sources of one origin, each with what tells its unknowns apart, as one."""
     first, names = each[0]
     if len(each) == 1:
-        return first.changed(given=origin, unknowns=tuple(names) if first.unknowns else ())
+        return replace(first, given=origin, unknowns=tuple(names) if first.unknowns else ())
     sums: dict[str, Array] = {}
     for one, labels in each:
-        for label, row in zip(labels, () if one.changes is None else one.changes, strict=True):
+        for label, row in zip(labels, () if one.changes is None else one.changes.swapaxes(0, 1), strict=True):
             sums[label] = sums[label] + row if label in sums else row
-    changes = np.array([*sums.values()])
-    covariance = changes.T @ changes
-    return first.changed(
-        given=origin,
-        covariance=0.5 * (covariance + covariance.T),
-        dof=np.min(np.array([np.asarray(one.dof) for one, _ in each]), axis=0),
-        changes=changes,
-        unknowns=tuple(sums) if first.unknowns else (),
-    )
+    joint = Sources.of_changes(origin, np.array([*sums.values()]).swapaxes(0, 1))
+    dof = np.min(np.array([one.dof for one, _ in each]), axis=0)
+    return replace(first, given=origin, covariance=joint.covariance, dof=dof, changes=joint.changes,
+                   unknowns=tuple(sums) if first.unknowns else ())  # fmt: skip
 
 
 def _origins(found: Sequence[Provenance]) -> Provenance:

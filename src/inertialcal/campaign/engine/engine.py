@@ -429,7 +429,7 @@ class ReducedTest:
     tested : Tested
         As procedures see it: plan, readings, result.
     rows : sequence of Row
-        SI, each with the name of the test.
+        SI; they name no test.
     own : tuple of Remark
         What reading and reducing brought up, errors first.
     curves : sequence of Curve
@@ -642,9 +642,8 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         with computable(one.test.id):
             rows = yield from ask(procedure_of(one.test.procedure).rows_many, tested.result)
         errors = tuple(remark for name in _with_those_before(one.test, tests) for remark in wrong[name])
-        named = [row.named(one.test.id) for row in rows]
         said = own[one.test.id]
-        found.append(ReducedTest(one.test, tested, named, said, errors=errors, recorded=one.recorded, saves=one.saves))
+        found.append(ReducedTest(one.test, tested, rows, said, errors=errors, recorded=one.recorded, saves=one.saves))
     return found
 
 
