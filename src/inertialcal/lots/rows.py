@@ -16,6 +16,7 @@ from ..campaign.outcome.contents import Figure
 from ..core.errors import Problem
 from ..core.estimate import Array, Estimate
 from ..core.influence import influence_of
+from ..core.key import Method
 from ..core.remarks import Remark
 from ..core.results import COLUMNS
 from ..procedures.display import shown_in
@@ -46,6 +47,7 @@ LISTS = {
 PLAIN = {name: pa.int64() if name == "number" else pa.string() for name in OWN if name not in LISTS}
 SCHEMA = pa.schema([(name, pa.list_(LISTS[name]) if name in LISTS else PLAIN[name]) for name in OWN])
 Cells = tuple[Any, ...]
+NONE = (None,) * 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,27 +127,27 @@ def stream_of(rows: Sequence[UnitRow]) -> bytes:
 
 def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     """Return the figures of units in the order of `RESULT`: text once for all units that have it, numbers as arrays."""
-    every = [(one, one.row) for unit in rows for one in unit.results]
-    said = [
-        (row.key, row.unit, row.method, row.member, row.status, row.reason, one.sensor_unit, one.test, one.condition)
-        for one, row in every
-    ]
-    known = {one: place for place, one in enumerate(dict.fromkeys(said))}
-    places = [known[one] for one in said]
-    none = (None,) * 3
-    found = [
-        (row.value, row.u, row.dof, *(none if (ends := row.interval) is None else (ends.lo, ends.hi, ends.p)))
-        for _, row in every
-    ]
+    known: dict[tuple[object, ...], int] = {}
+    places: list[int] = []
+    found: list[float | None] = []
+    for unit in rows:
+        for one in unit.results:
+            row = one.row
+            said = (row.key, row.unit, row.member, row.status, row.reason, one.sensor_unit, one.test, one.condition,
+                    None if row.method is Method.RESULT else row.method)  # fmt: skip
+            places.append(known.setdefault(said, len(known)))
+            ends = row.interval
+            found += (row.value, row.u, row.dof)
+            found += NONE if ends is None else (ends.lo, ends.hi, ends.p)
     common = [part for unit in rows for part in _common(unit)]
     texts, scale = [], np.ones(len(known))
-    for i, (key, unit, method, member, status, reason, sensor_unit, test, condition) in enumerate(known):
+    for i, (key, unit, member, status, reason, sensor_unit, test, condition, way) in enumerate(known):
         shown, scale[i] = shown_in(key.name, unit, sensor_unit)
         place, part = key.at or (None,) * 3, member or (None,) * 2
-        cells = key.quantity, key.axis, key.sensor, key.power, *place, test, condition, method.value, *part
+        cells = key.quantity, key.axis, key.sensor, key.power, *place, test, condition, (way or Method.RESULT).value, *part
         texts.append((*cells, shown, status, *(reason or (None, None))))
     at = np.array(places, dtype=np.int64)
-    value, u, dof, lo, hi, p = np.array(found, dtype=float).reshape(-1, 6).T
+    value, u, dof, lo, hi, p = pa.array(found, pa.float64()).to_numpy(zero_copy_only=False).reshape(-1, 6).T
     scale = scale[at]
     numbers = {"value": value * scale, "u": u * scale, "dof": dof, "lo": lo * scale, "hi": hi * scale, "p": p,
                "common": np.array(common) * scale}  # fmt: skip
