@@ -361,7 +361,7 @@ def _finished(job: Job, unit: _Unit, now: Mapping[str, list[int]]) -> Work[tuple
     if changed:
         raise DataError(changed)
     figures, verdict = whole.figures, whole.verdict
-    models = ()
+    models: tuple[tuple[str, str], ...] = ()
     if whole.modelled is not None:
         models = tuple(sorted((yield from ask(model_files_many, whole.modelled)).items()))
     inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))

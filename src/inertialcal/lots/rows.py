@@ -127,7 +127,7 @@ def stream_of(rows: Sequence[UnitRow]) -> bytes:
 
 def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     """Return the figures of units in the order of `RESULT`: text once for all units that have it, numbers as arrays."""
-    known: dict[tuple[object, ...], int] = {}
+    known: dict[tuple[Any, ...], int] = {}
     places: list[int] = []
     found: list[float | None] = []
     for unit in rows:
@@ -141,10 +141,20 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
             found += NONE if ends is None else (ends.lo, ends.hi, ends.p)
     common = [part for unit in rows for part in _common(unit)]
     texts, scale = [], np.ones(len(known))
-    for i, (key, unit, member, status, reason, sensor_unit, test, condition, way) in enumerate(known):
-        shown, scale[i] = shown_in(key.name, unit, sensor_unit)
+    for i, (key, own_unit, member, status, reason, sensor_unit, test, condition, way) in enumerate(known):
+        shown, scale[i] = shown_in(key.name, own_unit, sensor_unit)
         place, part = key.at or (None,) * 3, member or (None,) * 2
-        cells = key.quantity, key.axis, key.sensor, key.power, *place, test, condition, (way or Method.RESULT).value, *part
+        cells = (
+            key.quantity,
+            key.axis,
+            key.sensor,
+            key.power,
+            *place,
+            test,
+            condition,
+            (way or Method.RESULT).value,
+            *part,
+        )
         texts.append((*cells, shown, status, *(reason or (None, None))))
     at = np.array(places, dtype=np.int64)
     value, u, dof, lo, hi, p = pa.array(found, pa.float64()).to_numpy(zero_copy_only=False).reshape(-1, 6).T

@@ -253,7 +253,7 @@ def _layout(parts: tuple[Taken, ...]) -> tuple[tuple[Key, ...], tuple[str, ...],
     return keys, tuple([units[key] for key in keys]), found
 
 
-def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | None | DataError]:
+def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | DataError | None]:
     """Return the values of all parts of each of several models, with their covariance; those of one key add.
 
     The models have the same sources of uncertainty, part by part.

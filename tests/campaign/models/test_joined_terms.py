@@ -8,7 +8,7 @@ import pytest
 from inertialcal.core.errors import PlanError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key, Origin
-from inertialcal.procedures.model_terms import KINDS, ModelTerms, joined_terms, kind_of
+from inertialcal.procedures.model_terms import KINDS, ModelTerms, joined_terms, joined_terms_many, kind_of
 from inertialcal.sensors.model.sensor_model import Provenance
 
 BIAS, SLOPE = Key("bias", "x"), Key("bias_temperature", "x", power=1)
@@ -96,3 +96,36 @@ def test_kinds_are_taken_one_by_one() -> None:
     both = terms({BIAS: 1.0, SCALE: 2.0}, (Component(SCATTER, "A", np.eye(2), 5.0),), "one")
     assert both.of_kinds(["bias"]).parameters == (BIAS,)
     assert both.of_kinds(["noise"]).parameters == ()
+
+
+def test_terms_of_many_units_are_joined_as_those_of_each() -> None:
+    """Units of other terms and other sources together, one part alone, one refused: to the last bit."""
+    rng = np.random.default_rng(4)
+    shared = Origin("latitude", standard="site", quantity="latitude")
+    units = []
+    for i in range(9):
+        values = dict(zip((BIAS, SLOPE), rng.normal(size=2).tolist(), strict=True)) if i % 3 else {BIAS: 0.1 * i}
+        own = [scatter(rng.normal(size=(2, len(values))).tolist(), shared, 4.0 + i)]
+        if i % 2:
+            own.append(Component(SCATTER, "A", np.diag(rng.random(len(values))), 2.0 + rng.random(len(values))))
+        first = terms(values, tuple(own), "thermal")
+        later = terms({SCALE: 0.01 * i}, (scatter([[0.3 * i], [0.1]], shared),), "rate", () if i % 4 else ("thermal",))
+        units.append([later] if i == 5 else [first, terms({BIAS: 1.0}, (), "rate")] if i == 7 else [later, first])
+    found = joined_terms_many(units)
+    for i, (parts, one) in enumerate(zip(units, found, strict=True)):
+        if i == 7:
+            assert isinstance(one, PlanError)
+            continue
+        alone = joined_terms(parts)
+        assert isinstance(one, ModelTerms)
+        assert one.estimate is not None
+        assert alone.estimate is not None
+        assert (one.parameters, one.provenance, one.axes) == (alone.parameters, alone.provenance, alone.axes)
+        assert (one.estimate.keys, one.estimate.units) == (alone.estimate.keys, alone.estimate.units)
+        for name in ("values", "covariance", "u", "dof"):
+            assert getattr(one.estimate, name).tolist() == getattr(alone.estimate, name).tolist()
+        for mine, its in zip(one.estimate.components, alone.estimate.components, strict=True):
+            assert (mine.given, mine.unknowns) == (its.given, its.unknowns)
+            assert mine.covariance.tolist() == its.covariance.tolist()
+            assert (mine.changes is None) == (its.changes is None)
+            assert mine.changes is None or its.changes is None or mine.changes.tolist() == its.changes.tolist()

@@ -13,8 +13,17 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from inertialcal.core.key import Method
-from inertialcal.core.schema.checksum import CHECKSUM, checksum, sealed_text
-from inertialcal.core.schema.json_text import Filled, Frame, Hole, json_text, json_texts
+from inertialcal.core.schema.checksum import CHECKSUM, checksum, sealed_text, sealed_texts
+from inertialcal.core.schema.json_text import (
+    MANY,
+    Filled,
+    Frame,
+    Hole,
+    json_text,
+    json_texts,
+    json_texts_many,
+    number_texts,
+)
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
 NUMBERS = st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4)
@@ -93,6 +102,49 @@ def test_a_number_that_json_has_not_is_refused_in_a_frame(number: float) -> None
     if number != math.inf:
         with pytest.raises(ValueError, match="NaN"):
             json_texts([Filled(frame, {"a": None, "dof": np.array([number])})])
+
+
+def test_many_contents_with_frames_in_frames_are_written_as_each_alone() -> None:
+    """Of other shapes, with zeros in other places, with and without inner frames; sealed, too."""
+    inner = Frame({"c": Hole("c"), "u": Hole("u")}, endless=frozenset({"c"}))
+    outer = Frame({"name": Hole("name"), "own": {"rows": Hole("rows"), "n": 3}, "parts": Hole("parts")})
+    rng = np.random.default_rng(1)
+    contents = []
+    for i in range(8):
+        parts = [
+            Filled(inner, {"c": rng.integers(0, 2, 3 + i % 2) * rng.normal(size=3 + i % 2), "u": 0.5 * k or None})
+            for k in range(i % 3)
+        ]
+        rows = rng.integers(0, 2, (2, 2)) * rng.normal(size=(2, 2))
+        contents.append({"b": i, "a": {"": Filled(outer, {"name": f"unit {i}", "rows": rows, "parts": parts})}})
+    plain = [
+        {
+            "b": one["b"],
+            "a": {
+                "": {
+                    "name": given["name"],
+                    "own": {"rows": given["rows"].tolist(), "n": 3},
+                    "parts": [{"c": part.values["c"].tolist(), "u": part.values["u"]} for part in given["parts"]],
+                }
+            },
+        }
+        for one in contents
+        for given in [one["a"][""].values]  # type: ignore[index]
+    ]
+    assert json_texts_many(contents) == [by_standard_library(one) for one in plain]
+    assert [json_texts(one) for one in contents] == json_texts_many(contents)
+    assert sealed_texts(contents) == [json_text({**one, CHECKSUM: checksum(one)}) for one in plain]
+
+
+def test_many_numbers_have_the_text_that_python_gives_them() -> None:
+    """Over all sizes, whole ones, and those beside which Arrow changes its form."""
+    rng = np.random.default_rng(2)
+    edges = [10.0**k for k in range(-20, 24)]
+    beside = [np.nextafter(edge, far) for edge in edges for far in (0.0, np.inf)]
+    sizes = rng.normal(size=20 * MANY) * 10.0 ** rng.integers(-30, 30, 20 * MANY)
+    whole = np.concatenate([np.arange(1.0, 400.0), 2.0 ** np.arange(-1074, 1024), np.rint(sizes[np.abs(sizes) > 1.0])])
+    numbers = np.concatenate([sizes, whole, -whole, edges, beside, [-0.1, 5e-324, 1.7976931348623157e308]])
+    assert number_texts([numbers[:7], numbers[7:]]) == [*map(float.__repr__, numbers.tolist())]
 
 
 def test_kinds_that_are_more_than_plain_ones() -> None:

@@ -13,7 +13,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence, Set
 from functools import lru_cache
-from itertools import groupby, islice
+from itertools import islice
 from json.encoder import encode_basestring
 from typing import TYPE_CHECKING, Any, TypeGuard
 
@@ -175,10 +175,10 @@ def _gather(given: object, line: str, known: _Known, form: int, pieces: list[str
     place = id(given), line
     if place in known.pieces:
         for piece in known.pieces[place][form]:
-            if type(piece) is str:
+            if isinstance(piece, str):
                 pieces.append(piece)
             else:
-                _gather(piece[0], piece[1], known, form, pieces)  # type: ignore[arg-type]
+                _gather(piece[0], piece[1], known, form, pieces)
     elif place not in known.texts and _holds_frames(given):
         inner = line + " "
         start, between, stop, colon = (inner, "," + inner, line, ": ") if form == 0 else ("", ",", "", ":")
@@ -189,7 +189,7 @@ def _gather(given: object, line: str, known: _Known, form: int, pieces: list[str
                 _gather(given[name], inner, known, form, pieces)
             pieces.append(stop + "}")
         else:
-            for i, part in enumerate(given):  # type: ignore[arg-type, var-annotated]
+            for i, part in enumerate(given):  # type: ignore[var-annotated, arg-type]
                 pieces.append(between if i else "[" + start)
                 _gather(part, inner, known, form, pieces)
             pieces.append(stop + "]")
@@ -340,9 +340,11 @@ def _write_frame(
 def _joined(pieces: Sequence[Piece]) -> list[Piece]:
     """Return pieces with text that stands together as one."""
     found: list[Piece] = []
-    for is_text, run in groupby(pieces, lambda one: type(one) is str):
-        found += ["".join(run)] if is_text else run  # type: ignore[arg-type]
-    return found
+    start = 0
+    for at in [i for i, one in enumerate(pieces) if type(one) is not str]:
+        found += "".join(pieces[start:at]), pieces[at]  # type: ignore[arg-type]
+        start = at + 1
+    return [*found, "".join(pieces[start:])]  # type: ignore[arg-type]
 
 
 def _numbers_of(
