@@ -122,11 +122,11 @@ def test_a_fault_of_the_program_ends_its_unit_alone_and_leaves_a_log(
 ) -> None:
     lot = folder_lot(tmp_path / "lot", 4)
     kind = type(procedure_of("rate_table"))
-    before, alone = kind.reduce, engine.prepare
+    before, one = kind.reduce, engine.preparing
     marked: dict[int, str] = {}
 
-    def prepare(campaign: Any, *rest: Any, **more: Any) -> Any:
-        found = alone(campaign, *rest, **more)
+    def preparing(campaign: Any, *rest: Any, **more: Any) -> Any:
+        found = yield from one(campaign, *rest, **more)
         marked[id(found.readings)] = campaign.file.item.serial
         return found
 
@@ -135,7 +135,7 @@ def test_a_fault_of_the_program_ends_its_unit_alone_and_leaves_a_log(
             raise KeyError("no such thing")
         return before(self, plan, readings)
 
-    monkeypatch.setattr(block_module, "prepare", prepare)
+    monkeypatch.setattr(block_module, "preparing", preparing)
     monkeypatch.setattr(kind, "reduce", faulty)
     monkeypatch.setattr(kind, "reduce_many", Procedure.reduce_many)
     outcome = ic.lot(lot, tmp_path / "out", workers=0)

@@ -151,14 +151,14 @@ def test_an_interruption_leaves_a_lot_that_goes_on(lot: tuple[Path, dict[str, st
 @contextmanager
 def poisoned(monkeypatch: pytest.MonkeyPatch, serial: str, kill: Callable[[int], Any]) -> Iterator[None]:
     """Have a unit end the process that works on it."""
-    alone = engine.prepare
+    alone = engine.preparing
 
-    def prepare(campaign: Any, *rest: Any, **more: Any) -> Any:
+    def preparing(campaign: Any, *rest: Any, **more: Any) -> Any:
         if campaign.file.item.serial == serial:
             kill(os.getpid())
         return alone(campaign, *rest, **more)
 
-    monkeypatch.setattr(block_module, "prepare", prepare)
+    monkeypatch.setattr(block_module, "preparing", preparing)
     yield
 
 
