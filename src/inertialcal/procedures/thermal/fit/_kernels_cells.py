@@ -42,30 +42,75 @@ def find_bins(
 
 
 @compiled
-def add_sums(columns: Array, bins: NDArray[np.int64], count: Array, sums: Array) -> None:
-    """Add to the number of samples in each bin, shape (b,), and to the sums of all rows, shape (2 + k, b)."""
-    for i in range(columns.shape[1]):
-        at = min(bins[i], len(count) - 1)
-        if at >= 0:
-            count[at] += 1.0
-            for j in range(columns.shape[0]):
-                sums[j, at] += columns[j, i]
+def add_sums(
+    columns: Array, bounds: NDArray[np.int64], bins: NDArray[np.int64], count: Array, sums: Array
+) -> None:  # fmt: skip
+    """Add to the number of samples in each bin, (r, b), and to the sums of all rows, (r, 2 + k, b), ramp by ramp.
+
+    Each ramp is from one of its two bounds, shape (r, 2), to before the other.
+    """
+    for ramp in range(len(bounds)):
+        for i in range(bounds[ramp, 0], bounds[ramp, 1]):
+            at = min(bins[i], count.shape[1] - 1)
+            if at >= 0:
+                count[ramp, at] += 1.0
+                for j in range(columns.shape[0]):
+                    sums[ramp, j, at] += columns[j, i]
 
 
 @compiled
-def add_squares(columns: Array, readings: int, bins: NDArray[np.int64], means: Array, squares: Array) -> None:
-    """Add to the sums of squares about the means, (2 + k, b), by bin: shape (3 + 2 readings, b).
+def add_squares(
+    columns: Array, readings: int, bounds: NDArray[np.int64], bins: NDArray[np.int64], means: Array, squares: Array
+) -> None:  # fmt: skip
+    """Add to the sums of squares about the means, (r, 2 + k, b), by ramp and bin: shape (r, 3 + 2 readings, b).
 
     Of temperature, time, temperature with time, each reading, and temperature with each reading.
     """
-    for i in range(columns.shape[1]):
-        at = min(bins[i], means.shape[1] - 1)
-        if at >= 0:
-            warm, time = columns[0, i] - means[0, at], columns[1, i] - means[1, at]
-            squares[0, at] += warm * warm
-            squares[1, at] += time * time
-            squares[2, at] += warm * time
-            for j in range(readings):
-                own = columns[2 + j, i] - means[2 + j, at]
-                squares[3 + j, at] += own * own
-                squares[3 + readings + j, at] += warm * own
+    for ramp in range(len(bounds)):
+        for i in range(bounds[ramp, 0], bounds[ramp, 1]):
+            at = min(bins[i], means.shape[2] - 1)
+            if at >= 0:
+                warm, time = columns[0, i] - means[ramp, 0, at], columns[1, i] - means[ramp, 1, at]
+                squares[ramp, 0, at] += warm * warm
+                squares[ramp, 1, at] += time * time
+                squares[ramp, 2, at] += warm * time
+                for j in range(readings):
+                    own = columns[2 + j, i] - means[ramp, 2 + j, at]
+                    squares[ramp, 3 + j, at] += own * own
+                    squares[ramp, 3 + readings + j, at] += warm * own
+
+
+@compiled
+def count_still(columns: Array, away: float, noise: float, known: NDArray[np.int64]) -> int:
+    """Return how many samples pass before the temperature leaves that of the start for good; -1 where time goes back.
+
+    Of columns of these, (2, n), what is known of both alone counts; which ones these are is filled in. What lies further away
+    from the first thousandth than so much has left; so has what is no longer within so many standard deviations of the
+    first half of the rest.
+    """
+    time, temperature, count, last = columns[0], columns[1], 0, -np.inf
+    for i in range(len(time)):
+        if np.isfinite(time[i]) and np.isfinite(temperature[i]):
+            if time[i] < last:
+                return -1
+            last = time[i]
+            known[count] = i
+            count += 1
+    few = max(count // 1000, 1)
+    level = 0.0
+    for j in range(min(few, count)):
+        level += temperature[known[j]] / few
+    still = 0
+    while still < count and abs(temperature[known[still]] - level) <= away:
+        still += 1
+    half = max(still // 2, 1)
+    mean, square = 0.0, 0.0
+    for j in range(min(half, still)):
+        mean += temperature[known[j]] / half
+    for j in range(min(half, still)):
+        square += (temperature[known[j]] - mean) ** 2 / half
+    found = 0
+    for j in range(still):
+        if abs(temperature[known[j]] - mean) <= noise * np.sqrt(square):
+            found = j + 1
+    return found

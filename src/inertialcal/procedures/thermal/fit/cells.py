@@ -11,10 +11,11 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ R = TypeVar("R")
 SPARSE = 0.2  # of the samples of the median cell: a cell with fewer is left out
 FEWEST = 3  # samples of a cell
 STEPS, LONGEST = 20.0, 1e6  # of a lag, and of a run, that the temperature is filtered in
+RULES = ("invalid", "warm_up", "turn_over", "one_path", "sparse")  # that leave samples out
 NARROW = 1e-3  # of the range of all samples: cells inside it are at one temperature
 
 
@@ -113,6 +115,12 @@ class Series:
     def of_run(self, run: int) -> list[slice]:
         """Return the samples of the recordings of a run."""
         return [one for one, number in zip(self.sweeps, self.runs, strict=True) if number == run]
+
+    @property
+    def runs_of_ramps(self) -> list[int]:
+        """Number of the run of each ramp."""
+        ends = [one.stop for one in self.sweeps]
+        return [self.runs[bisect_right(ends, ramp.start)] for ramp in self.ramps]
 
     def batches(self) -> Iterator[tuple[int, slice]]:
         """Yield batches of samples of one ramp, each with its number."""
@@ -239,6 +247,13 @@ class Cells:
     def __len__(self) -> int:
         return len(self.temperature)
 
+    @classmethod
+    def of_own(cls, shared: Mapping[str, object], **fields: object) -> Cells:
+        """Return cells of all their fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(shared, **fields)
+        return found
+
     def changed(self, **fields: object) -> Cells:
         """Return the same with other values of some fields; ``dataclasses.replace`` takes several times as long."""
         found = object.__new__(type(self))
@@ -356,76 +371,101 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         ``no_valid_sample`` if none is left, ``no_ramp`` if none is on a path, ``few_samples`` if no bin holds enough of
         them, ``no_temperature_change`` if those that do lie at one temperature.
     """
-    cells, left = _means(plan, series, cut)
-    if left["invalid"] == len(series.reading):
-        what, do = f"{series.axis} sensor: no sample is valid", "Check the rails, the built-in test and the columns"
-        raise DataError(what, do=do, code="no_valid_sample")
-    if not len(cells):
-        what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
-        raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
-    frame, used = cells.once("used", lambda: _frame(cells, left, series))
-    return frame.changed(reading=frame.beside[cells.sensor], scatter=cells.scatter[used], sensor=cells.sensor)
+    if series.complete and series.rate is None:
+        found = series.once(_key(plan, cut), lambda: _cells_each([(plan, series, cut)])[0])
+        at = list(series.together).index(series.axis)
+    else:
+        found, at = _of_one_shape(plan.bins, [(plan, series, cut)], [[series.reading]])[0], 0
+    if isinstance(found, _Refused):
+        raise found.error(series)
+    return found[at]
 
 
-def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells, Mask]:
-    """Return the cells that are used, and which of all these are.
+def find_cells(given: Sequence[tuple[Plan, Series, float]]) -> None:
+    """Find the cells that `cells_of` wants of several sensors, with the cut of each: of all thermometers at once."""
+    own = {(id(one.once), _key(plan, cut)): (plan, one, cut) for plan, one, cut in given
+           if one.complete and one.rate is None}  # fmt: skip
+    wanted = [(plan, one, cut) for plan, one, cut in own.values() if _key(plan, cut) not in one.once]
+    for (plan, one, cut), found in zip(wanted, _cells_each(wanted), strict=True):
+        one.once.keep(_key(plan, cut), found)
 
-    Raises
-    ------
-    DataError
-        ``few_samples``, ``no_temperature_change``.
-    """
-    full = cells.samples >= max(FEWEST, SPARSE * float(np.median(cells.samples)))
-    if not full.any():
-        what = f"{series.axis} sensor: no bin of temperature holds {FEWEST} samples of one ramp"
-        do = "Give a recording with more samples, or fewer bins"
-        raise DataError(what, why="a mean of fewer has no scatter", do=do, code="few_samples")
-    kept, used = _on_both_paths(cells, full, series)
-    lowest, highest = kept.range
-    if not highest - lowest > NARROW * (series.span[1] - series.span[0]):
-        what = f"{series.axis} sensor: the bins with {FEWEST} samples or more all lie at {lowest:.4g} degC"
-        do = "Ramp the chamber more slowly; check the channel of the temperature"
-        raise DataError(what, why="a polynomial needs a range", do=do, code="no_temperature_change")
-    left_out = {
-        **left,
-        "one_path": int(cells.samples[full & ~used].sum()),
-        "sparse": int(cells.samples[~full].sum()),
-    }
-    return kept.changed(left_out=left_out), used
+
+def _key(plan: Plan, cut: float) -> Hashable:
+    return "cells", plan.bins, cut
+
+
+class _Refused(NamedTuple):
+    """Why a sensor has no cells."""
+
+    code: str
+    at: float = np.nan  # Where all of it lies [degC]
+
+    def error(self, series: Series) -> DataError:
+        """Return it as an error of a sensor."""
+        axis, code, why = series.axis, self.code, ""
+        if code == "no_valid_sample":
+            what, do = "no sample is valid", "Check the rails, the built-in test and the columns"
+        elif code == "no_ramp":
+            what = f"no sample lies on a ramp of {series.turn_over:.3g} degC or more"
+            do = "Ramp the chamber further, or give a smaller turn_over"
+        elif code == "few_samples":
+            what, why = f"no bin of temperature holds {FEWEST} samples of one ramp", "a mean of fewer has no scatter"
+            do = "Give a recording with more samples, or fewer bins"
+        else:
+            what = f"the bins with {FEWEST} samples or more all lie at {self.at:.4g} degC"
+            why, do = "a polynomial needs a range", "Ramp the chamber more slowly; check the channel of the temperature"
+        return DataError(f"{axis} sensor: {what}", why=why, do=do, code=code)
+
+
+def _cells_each(given: Sequence[tuple[Plan, Series, float]]) -> list[list[Cells] | _Refused]:
+    """Return the cells of all sensors of each of several thermometers, those of one shape at once."""
+    kinds: dict[Hashable, list[int]] = {}
+    for i, (plan, one, _) in enumerate(given):
+        kinds.setdefault((plan.bins, len(one.ramps), len(one.together)), []).append(i)
+    found: dict[int, list[Cells] | _Refused] = {}
+    for (bins, *_), at in kinds.items():
+        own = [given[i] for i in at]
+        found.update(zip(at, _of_one_shape(bins, own, [[*one.together.values()] for _, one, _ in own]), strict=True))
+    return [found[i] for i in range(len(given))]
 
 
 def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) -> Cells:
     """Return cells of a sensor with the rate of the temperature as a lag smooths it, mean over each."""
     slow = series.smoothed(lag)
     assert slow.rate is not None  # noqa: S101 - the series has it
-    readings = [series.reading]
-    count, sums, _ = _sums(plan, slow, cut, readings, _parts(slow, readings))
+    count = np.zeros((len(slow.ramps), plan.bins))
+    sums = np.zeros((len(count), 4, plan.bins))
+    readings = [slow.reading]
+    _sums(plan, slow, cut, 1, _parts(slow, readings), count, sums)
     at = cells.ramp, cells.bin
-    return cells.changed(rate=sums[-1][at] / count[at])
+    return cells.changed(rate=sums[:, -1][at] / count[at])
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Samples of one ramp."""
+    """Samples of some ramps."""
 
-    ramp: int  # Its number
+    ramps: slice  # Their numbers
+    bounds: Indices  # shape (r, 2): the first sample of each, and the one behind the last
     columns: Array  # shape (2 + k, n): temperature, time, readings, and the rate where there is one
     path: Paths  # shape (n,)
     bins: Indices  # shape (n,): which bin each is in, to be found
 
 
 def _parts(series: Series, readings: Sequence[Array]) -> Iterable[_Part]:
-    """Return the samples of some readings on one clock, ramp by ramp; those of a short record are kept."""
+    """Return the samples of some readings on one clock: of a long record, a batch of a ramp at a time."""
     rates = [] if series.rate is None else [series.rate]
 
-    def each() -> Iterator[_Part]:
-        for ramp, own in series.batches():
-            rows = (series.temperature, series.time, *readings, *rates)
-            columns = np.array([one[own] for one in rows], dtype=np.float64)
-            path = np.array(series.path[own], dtype=np.int8)
-            yield _Part(ramp, columns, path, np.empty(len(path), dtype=np.int64))
+    def part(ramps: slice, bounds: Sequence[tuple[int, int]], own: slice) -> _Part:
+        rows = (series.temperature, series.time, *readings, *rates)
+        columns = np.array([one[own] for one in rows], dtype=np.float64)
+        path = np.array(series.path[own], dtype=np.int8)
+        return _Part(ramps, np.array(bounds, dtype=np.int64), columns, path, np.empty(len(path), dtype=np.int64))
 
-    return list(each()) if series.short else _Again(each)
+    if series.short:
+        return [part(slice(None), [(one.start, one.stop) for one in series.ramps], slice(None))]
+    return _Again(lambda: (part(slice(ramp, ramp + 1), [(0, own.stop - own.start)], own)
+                           for ramp, own in series.batches()))  # fmt: skip
 
 
 class _Again:
@@ -438,23 +478,26 @@ class _Again:
         return self._make()
 
 
-def _sums(
-    plan: Plan, series: Series, cut: float, readings: Sequence[Array], parts: Iterable[_Part]
-) -> tuple[Array, Array, Indices]:
-    """Return how many samples each bin of each ramp has, (r, b), sums of the columns, (2 + k, r, b), and how many none.
+def _sums(plan: Plan, series: Series, cut: float, k: int, parts: Iterable[_Part], count: Array, sums: Array) -> Indices:
+    """Add up how many samples of k readings each bin of each ramp has, (r, b), and the columns, (r, 2 + k, b).
 
-    These by rule: no reading or temperature, before the start-up is over, on no path. The bins of all are found.
+    Returns how many are in none, by rule: no reading or temperature, before the start-up is over, on no path. The bins
+    of all are found.
     """
-    columns, shape, ends = (
-        2 + len(readings) + (series.rate is not None),
-        (len(series.ramps), plan.bins),
-        _edges(plan, series),
-    )
-    count, sums, left = np.zeros(shape), np.zeros((shape[0], columns, shape[1])), np.zeros(3, dtype=np.int64)
+    ends, left = _edges(plan, series), np.zeros(3, dtype=np.int64)
     for part in parts:
-        kernels.find_bins(part.columns, len(readings), part.path, ends, cut, part.bins, left)
-        kernels.add_sums(part.columns, part.bins, count[part.ramp], sums[part.ramp])
-    return count, np.asarray(sums.swapaxes(0, 1)), left
+        kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, left)
+        kernels.add_sums(part.columns, part.bounds, part.bins, count[part.ramps], sums[part.ramps])
+    return left
+
+
+def _squares(plan: Plan, series: Series, cut: float, k: int, parts: Iterable[_Part], means: Array, out: Array) -> None:
+    """Add up the squares about the means of each ramp and bin, (r, 3 + 2 k, b), in another pass."""
+    ends = _edges(plan, series)
+    for part in parts:
+        if not isinstance(parts, list):
+            kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, np.zeros(3, dtype=np.int64))
+        kernels.add_squares(part.columns, k, part.bounds, part.bins, means[part.ramps], out[part.ramps])
 
 
 def _edges(plan: Plan, series: Series) -> Array:
@@ -463,103 +506,108 @@ def _edges(plan: Plan, series: Series) -> Array:
     return np.array([lowest, (highest - lowest) / plan.bins])
 
 
-def _means(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int]]:
-    """Means of the samples of each ramp in each bin, and how many samples are in none, by rule.
+def _of_one_shape(
+    bins: int, given: Sequence[tuple[Plan, Series, float]], readings: Sequence[Sequence[Array]]
+) -> list[list[Cells] | _Refused]:
+    """Return the cells of some readings on each of several clocks with as many ramps, in two passes.
 
-    Of sensors that share a thermometer, all are made at once, of a short record.
+    What lies in or next to the temperatures that were seen on both paths is used; all of it with one path only.
     """
-    if not series.complete or series.rate is not None:
-        each, left = _gathered(plan, series, cut, [series.reading])
-        return each[0], left
-    together = series.together
-    each, left = series.once(("means", plan.bins, cut), lambda: _gathered(plan, series, cut, [*together.values()]))
-    return each[list(together).index(series.axis)], left
-
-
-def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array]) -> tuple[list[Cells], dict[str, int]]:
-    """Return the means of some readings on one clock, in two passes, and how many samples are in none, by rule."""
-    bins, k = plan.bins, len(readings)
-    parts = _parts(series, readings)
-    count, sums, none = _sums(plan, series, cut, readings, parts)
-    left = dict(zip(("invalid", "warm_up", "turn_over"), none.tolist(), strict=True))
+    series, k = [one for _, one, _ in given], len(readings[0])
+    shape, rated = (len(given), len(series[0].ramps), bins), series[0].rate is not None
+    count, left = np.zeros(shape), np.zeros((len(given), 3), dtype=np.int64)
+    sums = np.zeros((*shape[:2], 2 + k + rated, bins))
+    means, squares = np.zeros(sums.shape), np.zeros((*shape[:2], 3 + 2 * k, bins))
+    for i, ((plan, one, cut), own) in enumerate(zip(given, readings, strict=True)):
+        parts = _parts(one, own)
+        left[i] = _sums(plan, one, cut, k, parts, count[i], sums[i])
+        np.divide(sums[i], np.maximum(count[i], 1.0)[:, None], out=means[i])
+        _squares(plan, one, cut, k, parts, means[i], squares[i])
     numbers = np.flatnonzero(count)
-    means_of = sums / np.where(count, count, 1.0)
-    mean_T, mean_t, mean_y, sum_rate = means_of[0], means_of[1], means_of[2 : 2 + k], sums[-1]
-    each, ends = np.zeros((len(count), 3 + 2 * k, bins)), _edges(plan, series)
-    about = np.ascontiguousarray(means_of.swapaxes(0, 1))
-    for part in parts:
-        if not isinstance(parts, list):
-            kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, np.zeros(3, dtype=np.int64))
-        kernels.add_squares(part.columns, k, part.bins, about[part.ramp], each[part.ramp])
-    squares, squares_y = each[:, :3].swapaxes(0, 1), each[:, 3:].swapaxes(0, 1)
-    count, mean_T, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_t, sum_rate))
-    var_T, var_t, cov_Tt = squares.reshape(3, -1)[:, numbers] / count
-    free = np.maximum(count - 2.0, 1.0)
-    rate = np.divide(cov_Tt, var_t, out=np.full(len(count), np.nan), where=var_t > 0.0)
-    number, bin_of = np.divmod(numbers, bins)
-    first = np.array([one.start for one in series.ramps])[number]
-    sweep = np.searchsorted([one.stop for one in series.sweeps], first, side="right")
-    means = mean_y.reshape(k, -1)[:, numbers]
-    var_y, cov_Ty = squares_y.reshape(2, k, -1)[:, :, numbers] / count
+    samples = count.ravel()[numbers]
+    (mean_T, mean_t), mean_y = np.split(_by_row(means, numbers)[: 2 + k], [2])
+    var_T, var_t, cov_Tt = _by_row(squares[:, :, :3], numbers) / samples
+    var_y, cov_Ty = (_by_row(squares[:, :, 3 + start : 3 + start + k], numbers) / samples for start in (0, k))
+    rate = np.divide(cov_Tt, var_t, out=np.full(len(samples), np.nan), where=var_t > 0.0)
     taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(cov_Ty), where=var_T > 0.0)
-    scatter = np.sqrt(np.maximum(var_y - taken, 0.0) * count / free)
-    once, found = Once(), []
-    for i in range(k):
-        found.append(Cells(
-            mean_T,
-            var_T,
-            means[i],
-            scatter[i],
-            count,
-            rate if series.rate is None else sum_rate / count,
-            mean_t,
-            np.array(series.ways)[number],
-            np.array(series.runs)[sweep],
-            number,
-            bin_of,
-            np.ones(len(count)),
-            means,
-            i,
-            series.span,
-            once=once,
-        ))  # fmt: skip
-    return found, left
+    scatter = np.sqrt(np.maximum(var_y - taken, 0.0) * samples / np.maximum(samples - 2.0, 1.0))
+    unit, rest = np.divmod(numbers, shape[1] * bins)
+    ramp, number = np.divmod(rest, bins)
+    way = np.array([one.ways for one in series])[unit, ramp]
+    run = np.array([one.runs_of_ramps for one in series])[unit, ramp]
+    sized = np.sort(count.reshape(len(given), -1))
+    filled = np.bincount(unit, minlength=len(given))
+    middle = [sized[range(len(given)), np.minimum(bins * shape[1] - filled + at, bins * shape[1] - 1)]
+              for at in ((filled - 1) // 2, filled // 2)]  # fmt: skip
+    full = samples >= np.maximum(FEWEST, SPARSE * 0.5 * (middle[0] + middle[1]))[unit]
+    refused: dict[int, _Refused] = {}
+    for i in np.flatnonzero(np.bincount(unit, full, minlength=len(given)) == 0.0).tolist():
+        none = "no_valid_sample" if left[i, 0] == len(series[i].reading) else "no_ramp"
+        refused[i] = _Refused("few_samples" if filled[i] else none)
+    flat = {
+        "temperature": mean_T, "spread": var_T, "samples": samples, "time": mean_t, "path": way, "run": run,
+        "ramp": ramp, "bin": number, "rate": _by_row(sums[:, :, -1:], numbers)[0] / samples if rated else rate,
+        "readings": mean_y, "scatters": scatter, "unit": unit, "full": full,
+    }  # fmt: skip
+    if refused:
+        keep = ~np.isin(unit, [*refused])
+        flat = {name: one[..., keep] for name, one in flat.items()}
+    kept = [i for i in range(len(given)) if i not in refused]
+    found = dict(zip(kept, _used([series[i] for i in kept], bins, flat, left[kept]), strict=True)) if kept else {}
+    return [refused[i] if i in refused else found[i] for i in range(len(given))]
 
 
-def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:
-    """Keep what lies in or next to the temperatures that were seen on both paths; all of it with one path only."""
-    kept = _taken(cells, full)
-    shared = kept.shared_bins
-    if not len(shared):
-        return _weighed(kept, _ends(kept, series)), full
-    low = kept.temperature[kept.bin == shared[0]].min()
-    high = kept.temperature[kept.bin == shared[-1]].max()
-    width = (series.span[1] - series.span[0]) / (int(cells.bin.max()) + 1)
-    reach = series.turn_over + width
-    inside = (cells.temperature >= low - reach) & (cells.temperature <= high + reach)
-    kept = _taken(cells, full & inside)
-    both = (float(low), float(high))
-    return _weighed(kept, _ends(kept, series)).changed(both=both), full & inside
+def _by_row(sums: Array, numbers: Indices) -> Array:
+    """Return rows of what each ramp and bin has, (u, r, c, b), at the numbers of cells: shape (c, n)."""
+    return sums.transpose(2, 0, 1, 3).reshape(sums.shape[2], -1)[:, numbers]
 
 
-def _ends(cells: Cells, series: Series) -> tuple[float, float]:
-    """Lowest and highest temperature of the bins that have a cell, no further than any sample."""
-    lowest, highest = series.span
-    return (
-        max(lowest, float(np.min(cells.temperature - np.sqrt(3.0 * cells.spread)))),
-        min(highest, float(np.max(cells.temperature + np.sqrt(3.0 * cells.spread)))),
-    )
+def _used(
+    series: Sequence[Series], bins: int, flat: Mapping[str, NDArray[Any]], left: Indices
+) -> list[list[Cells] | _Refused]:
+    """Return the cells that are used, of those of each thermometer, end to end."""
+    full, T, samples, number, path = (flat[name] for name in ("full", "temperature", "samples", "bin", "path"))
+    starts = np.flatnonzero(np.diff(flat["unit"], prepend=-1))
+    unit = np.repeat(np.arange(len(series)), np.diff(starts, append=len(T)))
+    span, turn_over = np.array([one.span for one in series]).T, np.array([one.turn_over for one in series])
+    shared = _seen(unit, number, full & (path == WARMING), len(series), bins)
+    shared &= _seen(unit, number, full & (path == COOLING), len(series), bins)
+    looped = shared.any(axis=1)
+    first, last = shared.argmax(axis=1), bins - 1 - shared[:, ::-1].argmax(axis=1)
+    low = np.minimum.reduceat(np.where(full & (number == first[unit]), T, np.inf), starts)
+    high = np.maximum.reduceat(np.where(full & (number == last[unit]), T, -np.inf), starts)
+    reach = turn_over + (span[1] - span[0]) / (np.maximum.reduceat(number, starts) + 1)
+    used = full & (~looped[unit] | ((T >= (low - reach)[unit]) & (T <= (high + reach)[unit])))
+    beyond, sparse = (np.add.reduceat(samples * one, starts).astype(int).tolist() for one in (full & ~used, ~full))
+    if not used.all():
+        flat, unit = {name: one[..., used] for name, one in flat.items()}, unit[used]
+    starts = np.flatnonzero(np.diff(unit, prepend=-1))
+    T, number, run, path = (flat[name] for name in ("temperature", "bin", "run", "path"))
+    key = ((unit * (int(run.max()) + 1) + run) * 3 + path + 1) * bins + number
+    weight = 1.0 / np.bincount(key)[key]  # those of one run, path and bin have the weight 1 together
+    wide = np.sqrt(3.0 * flat["spread"])  # no further than any sample
+    lowest = np.maximum(span[0], np.minimum.reduceat(T - wide, starts))
+    highest = np.minimum(span[1], np.maximum.reduceat(T + wide, starts))
+    narrow = (~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
+    left_out = (dict(zip(RULES, own, strict=True)) for own in zip(*left.T.tolist(), beyond, sparse, strict=True))
+    ends = [*starts[1:].tolist(), len(T)]
+    names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
+    columns = zip(starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
+                  looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
+    found: list[list[Cells] | _Refused] = []
+    for start, stop, its, out, loop, both, refused in columns:
+        if refused:
+            found.append(_Refused("no_temperature_change", its[0]))
+            continue
+        own = {name: flat[name][start:stop] for name in names}
+        readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
+        own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
+                "both": both if loop else None, "once": Once()}  # fmt: skip
+        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i)
+                      for i, (reading, scatter) in enumerate(zip(readings, scatters, strict=True))])  # fmt: skip
+    return found
 
 
-def _taken(cells: Cells, keep: Mask) -> Cells:
-    rows = ("temperature", "spread", "reading", "scatter", "samples", "rate", "time", "path", "run", "ramp", "bin")
-    if keep.all():
-        return cells.changed(once=Once())
-    kept = {name: getattr(cells, name)[keep] for name in rows}
-    return cells.changed(weight=cells.weight[keep], beside=cells.beside[:, keep], once=Once(), **kept)
-
-
-def _weighed(cells: Cells, ends: tuple[float, float]) -> Cells:
-    """Give the cells of one run, path and bin the weight 1 together."""
-    key = (cells.run * 3 + cells.path + 1) * (int(cells.bin.max()) + 1) + cells.bin
-    return cells.changed(weight=1.0 / np.bincount(key)[key], range=ends, once=Once())
+def _seen(unit: Indices, number: Indices, which: Mask, units: int, bins: int) -> Mask:
+    """Return which bins of each unit some cells lie in, shape (u, b)."""
+    return np.asarray(np.bincount((unit * bins + number)[which], minlength=units * bins).reshape(units, bins) > 0)

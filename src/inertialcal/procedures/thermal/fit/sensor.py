@@ -16,7 +16,7 @@ from ....core.remarks import Remark
 from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
-from .cells import Cells, Series, cells_of, joined, lagging
+from .cells import Cells, Series, cells_of, find_cells, joined, lagging
 from .law import Law, gathered, judge, law_of, series_rows, unjudged_law_of, unjudged_laws_of
 from .order import Choice, choose_order, find_scores
 from .paths import Paths, Separated, find_differences, paths_of, separated
@@ -98,6 +98,7 @@ def reduce_sensors(tests: Sequence[tuple[Plan, Readings, Series]]) -> list[OfSen
     temperature.
     """
     refused: dict[int, DataError] = {}
+    find_cells([(plan, series, plan.warm_up or 0.0) for plan, _, series in tests])
     sensors = _made(range(len(tests)), lambda i: _Sensor.of(*tests[i]), refused)
     numbers = [*sensors]
     for kind in gathered(one.tried for one in sensors.values()):

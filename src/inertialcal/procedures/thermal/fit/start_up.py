@@ -10,7 +10,7 @@ is of the size of what a mean over some minutes can show.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....sensors.warm_up import FEWEST, WarmUp, find_warm_up
 from ..plan import Plan
+from ._kernels_cells import count_still
 from .cells import Cells, Indices, Series
 from .law import Law
 
@@ -113,6 +114,14 @@ def _steady_part(series: Series, run: int) -> Indices:
 
 def _still_part(series: Series, run: int) -> Indices:
     """Return the same by the temperature alone."""
+    if series.short:
+        own = series.of_run(run)
+        columns = np.concatenate([[series.time[one], series.temperature[one]] for one in own], axis=1)
+        known = np.empty(columns.shape[1], dtype=np.int64)
+        count = count_still(columns, STILL * series.turn_over, NOISE, known)
+        if count >= 0:
+            known = known[:count]
+            return known + own[0].start if len(own) == 1 else _numbered(own)[known]
     ordered = _in_order(series, run)
     few = max(sum(len(own) for own in ordered()) // 1000, 1)
     first = np.empty(0)
@@ -135,6 +144,10 @@ def _still_part(series: Series, run: int) -> Indices:
     return steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
 
 
+def _numbered(parts: Sequence[slice]) -> Indices:
+    return np.concatenate([np.arange(one.start, one.stop) for one in parts])
+
+
 def _in_order(series: Series, run: int) -> Callable[[], Iterable[Indices]]:
     """Return what gives the samples of a run whose time and temperature are known, in order of time, piece by piece."""
     last = -np.inf
@@ -145,9 +158,6 @@ def _in_order(series: Series, run: int) -> Callable[[], Iterable[Indices]]:
             ordered = every[np.argsort(series.time[every], kind="stable")]
             return lambda: [ordered]
         last = time[-1] if len(own) else last
-    if series.short:
-        pieces = list(_known(series, run))
-        return lambda: pieces
     return lambda: _known(series, run)
 
 
