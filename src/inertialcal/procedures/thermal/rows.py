@@ -309,20 +309,19 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
 
     That is of few samples, which are fitted as they are, and where the moments hardly tell the coefficients apart.
     """
-    T = series.temperature
+    T, readings = series.temperature, [*series.together.values()]
     used = np.isfinite(T) & ~(series.time < cut)  # without a time it counts
-    y: Array = np.array([*series.together.values()])
     if not used.all():
-        T, y = T[used], y[:, used]
+        T, readings = T[used], [one[used] for one in readings]
     if len(T) <= FEW or (len({*T[:64].tolist()}) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
         return None
     domain = float(T.min()), float(T.max())
+    rows, away = _series(T, domain), np.array(readings, dtype=np.float64)
     with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
-        middle = y.mean(axis=1, keepdims=True)
-        away = y - middle
+        middle = away.mean(axis=1, keepdims=True)
+        away -= middle
         total = np.einsum("kn,kn->k", away, away)
-    rows = _series(T, domain)
-    square = rows @ rows.T
+    square = rows @ rows.copy().T  # of an array by itself numpy calls what is ten times as slow for so few rows
     try:
         inverse = np.linalg.inv(square)
     except np.linalg.LinAlgError:
@@ -331,7 +330,7 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
         return None
     with np.errstate(over="ignore", invalid="ignore"):
         found = (away @ rows.T) @ inverse
-        left = away - found @ rows
+        left = np.subtract(away, found @ rows, out=away)
         found += (left @ rows.T) @ inverse  # what rounding left
         squares = np.einsum("kn,kn->k", left, left)
     found[:, 0] += middle[:, 0]
@@ -357,8 +356,9 @@ def _series(T: Array, domain: tuple[float, float]) -> Array:
     x = (2.0 * T - domain[0] - domain[1]) / (domain[1] - domain[0])
     rows = np.empty((ORDER + 1, len(T)))
     rows[0], rows[1] = 1.0, x
+    twice = 2.0 * x
     for k in range(2, ORDER + 1):
-        rows[k] = 2.0 * x * rows[k - 1] - rows[k - 2]
+        np.subtract(np.multiply(twice, rows[k - 1], out=rows[k]), rows[k - 2], out=rows[k])
     return rows
 
 

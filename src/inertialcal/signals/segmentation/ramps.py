@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ...core.batches import batches, count, near, zeros
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ..remembered import remembered
 
 NEAR = 0.03  # of the reversal: as near a turn the temperature still stays there
 BLOCKS = 500  # that a record is cut into at most, to find its turns
@@ -37,7 +36,6 @@ class Ramps:
         return len(self.ways)
 
 
-@remembered
 def find_ramps(temperature: Array, reversal: float) -> Ramps:
     """Return the ramps of a record.
 
@@ -65,7 +63,7 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     valid = count(temperature, np.isfinite)
     if not valid:
         raise DataError("no valid temperature", code="no_valid_sample")
-    level, begins = _levels(temperature, -(-valid // BLOCKS))
+    level, begins = _levels(temperature, valid)
     turns, ways = _turns(level, reversal)
     path = zeros(len(temperature), np.int8)
     starts = [0, *(int(begins[at]) for at in turns[1:])][: len(turns)]
@@ -77,44 +75,25 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     return Ramps(path, tuple(starts), tuple(ways))
 
 
-def _levels(temperature: Array, size: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return the means of blocks of so many valid samples, the last one shorter, and the first sample of each."""
-    means, begins = [], []
-    warm, at = np.empty(0), np.empty(0, dtype=np.int64)
+def _levels(temperature: Array, valid: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return the means of blocks of the valid samples, the last one shorter, and the first sample of each."""
+    from ._kernels_ramps import add_levels  # noqa: PLC0415 - numba starts slowly
+
+    size = -(-valid // BLOCKS)
+    level, held = np.empty(-(-valid // size)), np.zeros(2, dtype=np.int64)
+    begins = np.empty(len(level), dtype=np.int64)
     for first, stop in batches(temperature):
-        here = np.flatnonzero(np.isfinite(temperature[first:stop]))
-        warm, at = np.append(warm, temperature[first:stop][here]), np.append(at, first + here)
-        whole = len(at) // size * size if stop < len(temperature) else len(at)
-        starts = np.arange(0, whole, size)
-        if whole:
-            means.append(np.add.reduceat(warm[:whole], starts) / np.diff(np.append(starts, whole)))
-            begins.append(at[starts])
-        warm, at = warm[whole:], at[whole:]
-    return np.concatenate(means), np.concatenate(begins)
+        part = temperature[first:stop]
+        add_levels(np.array(part, dtype=np.float64), first, size, held, level, begins)
+    if held[1]:
+        level[-1] /= held[1]
+    return level, begins
 
 
 def _turns(level: Array, reversal: float) -> tuple[list[int], list[int]]:
     """Return where each ramp begins and which way it goes; none where nothing moves."""
-    turns: list[int] = []
-    ways: list[int] = []
-    at, way = 0, NO_PATH
-    while True:  # from where one ramp is seen to where the next one is
-        rest = level[at:]
-        far = {WARMING: rest - np.minimum.accumulate(rest), COOLING: np.maximum.accumulate(rest) - rest}
-        seen = [
-            (int(np.argmax(off >= reversal)), one) for one, off in far.items() if one != way and off.max() >= reversal
-        ]
-        if not seen:
-            return turns, ways
-        stop, way = min(seen, key=lambda one: one[0])
-        until = rest[: stop + 1]
-        turn = at + int(until.argmin() if way == WARMING else until.argmax())
-        turns.append(_leaves_turn(level, turn, at + stop, reversal))
-        ways.append(way)
-        at += stop
+    from ._kernels_ramps import fill_turns  # noqa: PLC0415 - as above
 
-
-def _leaves_turn(level: Array, turn: int, stop: int, reversal: float) -> int:
-    """Return where the temperature leaves a turn for good: it may stay there for long."""
-    near = np.abs(level[turn:stop] - level[turn]) <= NEAR * reversal
-    return turn + int(np.flatnonzero(near)[-1])
+    turns, ways = np.empty((2, len(level)), dtype=np.int64)
+    count = fill_turns(level, reversal, NEAR * reversal, turns, ways)
+    return turns[:count].tolist(), ways[:count].tolist()
