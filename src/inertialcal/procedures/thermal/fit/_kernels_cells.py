@@ -114,3 +114,30 @@ def count_still(columns: Array, away: float, noise: float, known: NDArray[np.int
         if abs(temperature[known[j]] - mean) <= noise * np.sqrt(square):
             found = j + 1
     return found
+
+
+@compiled
+def fill_roots(squares: Array, roots: Array) -> None:
+    """Fill in the inverses of the Cholesky factors of matrices, shape (m, p, p); infinite where one has none."""
+    p = squares.shape[1]
+    for m in range(len(squares)):
+        factor, root = squares[m].copy(), roots[m]
+        root[:] = 0.0
+        for j in range(p):
+            pivot = factor[j, j]
+            for k in range(j):
+                pivot -= factor[j, k] * factor[j, k]
+            if not pivot > 0.0:
+                root[:] = np.inf
+                break
+            factor[j, j] = np.sqrt(pivot)
+            for i in range(j + 1, p):
+                for k in range(j):
+                    factor[i, j] -= factor[i, k] * factor[j, k]
+                factor[i, j] /= factor[j, j]
+            root[j, j] = 1.0 / factor[j, j]
+            for i in range(j):  # the row of the inverse
+                total = 0.0
+                for k in range(i, j):
+                    total += factor[j, k] * root[k, i]
+                root[j, i] = -total / factor[j, j]

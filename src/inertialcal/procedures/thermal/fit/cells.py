@@ -15,6 +15,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -45,8 +46,8 @@ NARROW = 1e-3  # of the range of all samples: cells inside it are at one tempera
 class Once:
     """What does not depend on the readings: found once for all sensors that share a thermometer."""
 
-    def __init__(self) -> None:
-        self._found: dict[Hashable, object] = {}
+    def __init__(self, found: Mapping[str, object] = MappingProxyType({})) -> None:
+        self._found: dict[Hashable, object] = {**found}
 
     def __call__(self, what: Hashable, make: Callable[[], R]) -> R:
         """Return what stands under a name, made where there is none yet."""
@@ -57,6 +58,10 @@ class Once:
     def __contains__(self, what: Hashable) -> bool:
         """Whether something stands under a name."""
         return what in self._found
+
+    def __getitem__(self, what: Hashable) -> Any:
+        """Return what stands under a name."""
+        return self._found[what]
 
     def keep(self, what: Hashable, found: object) -> None:
         """Let something stand under a name: what was found of several at once."""
@@ -274,6 +279,11 @@ class Cells:
     def bins(self) -> int:
         """Number of bins that have a cell."""
         return self.once("bins", lambda: int(np.count_nonzero(np.bincount(self.bin))))
+
+    @property
+    def ramps(self) -> int:
+        """Number of ramps that have a cell."""
+        return self.once("ramps", lambda: len(np.unique(self.ramp)))
 
     @property
     def shared_bins(self) -> Indices:
@@ -588,21 +598,33 @@ def _used(
     wide = np.sqrt(3.0 * flat["spread"])  # no further than any sample
     lowest = np.maximum(span[0], np.minimum.reduceat(T - wide, starts))
     highest = np.minimum(span[1], np.maximum.reduceat(T + wide, starts))
+    warm, cool = (_seen(unit, number, path == way, len(series), bins) for way in (WARMING, COOLING))
+    seen = {
+        "bins": np.count_nonzero(warm | cool, axis=1).tolist(),
+        "shared_bins": [np.flatnonzero(one) for one in warm & cool],
+        "ramps": np.count_nonzero(_seen(unit, flat["ramp"], path != 0, len(series), len(series[0].ramps)), axis=1).tolist(),
+        "ways": [tuple(way for way, on in ((COOLING, cold), (WARMING, hot)) if on)
+                 for cold, hot in zip(cool.any(axis=1).tolist(), warm.any(axis=1).tolist(), strict=True)],
+        "root": np.split(np.sqrt(weight), starts[1:]),
+    }  # fmt: skip
+    if all(len({*one.runs}) == 1 for one in series):
+        seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:])}
     narrow = (~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
     left_out = (dict(zip(RULES, own, strict=True)) for own in zip(*left.T.tolist(), beyond, sparse, strict=True))
     ends = [*starts[1:].tolist(), len(T)]
     names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
-    columns = zip(starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
+    once = (Once(dict(zip(seen, own, strict=True))) for own in zip(*seen.values(), strict=True))
+    columns = zip(once, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
                   looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
     found: list[list[Cells] | _Refused] = []
-    for start, stop, its, out, loop, both, refused in columns:
+    for mine, start, stop, its, out, loop, both, refused in columns:
         if refused:
             found.append(_Refused("no_temperature_change", its[0]))
             continue
         own = {name: flat[name][start:stop] for name in names}
         readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
         own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
-                "both": both if loop else None, "once": Once()}  # fmt: skip
+                "both": both if loop else None, "once": mine}  # fmt: skip
         found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i)
                       for i, (reading, scatter) in enumerate(zip(readings, scatters, strict=True))])  # fmt: skip
     return found

@@ -265,13 +265,14 @@ def _shape(cells: Cells) -> Hashable:
 
 def _alike(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None) -> list[Law]:
     first, path_order = cells[0], path_order_of(cells[0])
+    known: dict[tuple[int, int], Decomposed] = {}
     if alone is None:
         names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
-        alone = _fitted(cells, order, path_order, names)
+        alone = _fitted(cells, order, path_order, names, known=known)
     if path_order < 0:
         of_p = alone
     elif first.paths_repeated:
-        of_p = _with_lag(cells, alone, order, max(path_order, order - 1))
+        of_p = _with_lag(cells, alone, order, max(path_order, order - 1), known)
     else:
         of_p = _fitted(cells, order, -1)
     return [
@@ -286,8 +287,12 @@ def _fitted(
     path_order: int,
     names: Sequence[str] | None = None,
     lags: Array | None = None,
+    known: dict[tuple[int, int], Decomposed] | None = None,
 ) -> list[Fit]:
-    """Return the fits of P and D, and of lags by their columns, shape (s, c), to cells of one shape."""
+    """Return the fits of P and D, and of lags by their columns, shape (s, c), to cells of one shape.
+
+    ``known``: designs that were decomposed before, by their orders.
+    """
     if cells[0].runs >= 2:
         one = cells[0]
         columns = design(one, order, path_order)
@@ -297,7 +302,10 @@ def _fitted(
     if y.shape[1] <= order + path_order + 2 or not np.isfinite(y).all():  # said as any fit says it
         return [fit(design(one, order, path_order) * _root(one)[:, None], row, names=names)
                 for one, row in zip(cells, y, strict=True)]  # fmt: skip
-    decomposed = _decomposed(cells, order, path_order, names)
+    known = {} if known is None else known
+    decomposed = known.get((order, path_order))
+    if decomposed is None:
+        decomposed = known[order, path_order] = _decomposed(cells, order, path_order, names)
     if lags is not None:
         decomposed, names = decomposed.with_column(lags * np.array([_root(one) for one in cells])), None
     labels = names or [f"column {i}" for i in range(decomposed.design.shape[2])]
@@ -324,7 +332,13 @@ def _decomposed(cells: Sequence[Cells], order: int, path_order: int, names: Sequ
     return known.take(number.tolist())
 
 
-def _with_lag(cells: Sequence[Cells], alone: Sequence[Fit], order: int, path_order: int) -> list[Fit]:
+def _with_lag(
+    cells: Sequence[Cells],
+    alone: Sequence[Fit],
+    order: int,
+    path_order: int,
+    known: dict[tuple[int, int], Decomposed] | None = None,
+) -> list[Fit]:
     """Return fits with a thermal lag in them, where the cells tell it apart; else those without.
 
     Where warming and cooling went at different rates, or over different ranges, a lag does not cancel midway. It is in
@@ -336,11 +350,12 @@ def _with_lag(cells: Sequence[Cells], alone: Sequence[Fit], order: int, path_ord
         return chosen
     lags = lag_columns([cells[i] for i in timed], np.array([alone[i].coefficients[: order + 1] for i in timed]))
     try:
-        found = _fitted([cells[i] for i in timed], order, path_order, lags=lags)
+        own = known if len(timed) == len(cells) else None
+        found = _fitted([cells[i] for i in timed], order, path_order, lags=lags, known=own)
     except DataError:
         if len(cells) == 1:
             return chosen
-        return [_with_lag([one], [own], order, path_order)[0] for one, own in zip(cells, alone, strict=True)]
+        return [_with_lag([one], [plain], order, path_order)[0] for one, plain in zip(cells, alone, strict=True)]
     sizes = [np.sum(np.array([one.transform[: order + 1] for one in fits]) ** 2, axis=2)
              for fits in (found, [alone[i] for i in timed])]  # fmt: skip
     cheap = np.all(sizes[0] / sizes[1] < GROWN, axis=1)
@@ -375,6 +390,7 @@ def lag_columns(cells: Sequence[Cells], coefficients: Array) -> Array:
 
 def judge(laws: Sequence[Law]) -> list[DataError | None]:
     """Find the scatter of laws, what is wanted of one alike at once; return why it is refused, law by law."""
+    _find_blocks([one.cells for one in laws])
     first = [levels(one.cells)[0] for one in laws]
     kinds = gathered(
         (level, one.order, one.fit.basis.shape, one.path_fit.basis.shape, len(_starts(one, level, clusters)))
@@ -386,8 +402,10 @@ def judge(laws: Sequence[Law]) -> list[DataError | None]:
         own = [laws[i] for i in at]
         if len(_starts(own[0], level, clusters)) >= 2:
             by = [members(one.cells, *first[i]) for i, one in zip(at, own, strict=True)]
-            found = clustered_each([one.fit for one in own], by)
             ways = clustered_each([one.path_fit for one in own], by, [_design_of(one.cells) for one in own])
+            found = ways
+            if any(one.fit is not one.path_fit for one in own):
+                found = clustered_each([one.fit for one in own], by)
             known = [True] * len(at) if level == "block" else _known(found, own[0].order)
             for i, one, mine, way, keep in zip(at, own, found, ways, known, strict=True):
                 if keep:
@@ -418,14 +436,20 @@ def _known(found: Sequence[Clustered], order: int) -> list[bool]:
 
 def find_contrasts(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> None:
     """Find covariance and degrees of freedom of combinations of P, or of D, of several judged laws, alike at once."""
+    for law, own, found in zip(laws, rows, contrasts_of(laws, rows, paths), strict=True):
+        law.scatter.once.keep(("path", *_named(own)) if paths else _named(own), found)
+
+
+def contrasts_of(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> list[tuple[Array, Array]]:
+    """Return the same of each."""
+    every: dict[int, tuple[Array, Array]] = {}
     scatters = [one.scatter.of_path_fit if paths else one.scatter.of_fit for one in laws]
     starts = [one.order + 1 if paths else 0 for one in laws]
     for at in gathered((one.score.shape, own.shape, k) for one, own, k in zip(scatters, rows, starts, strict=True)):
         whole = _whole(np.array([rows[i] for i in at]), scatters[at[0]], starts[at[0]])
         covariance, dof = contrasts_each([scatters[i] for i in at], whole)
-        for i, found in zip(at, zip(covariance, dof, strict=True), strict=True):
-            name = ("path", *_named(rows[i])) if paths else _named(rows[i])
-            laws[i].scatter.once.keep(name, found)
+        every.update(zip(at, zip(covariance, dof, strict=True), strict=True))
+    return [every[i] for i in range(len(laws))]
 
 
 def path_order_of(cells: Cells) -> int:
@@ -515,9 +539,35 @@ def _levels(cells: Cells) -> Sequence[tuple[Level, Indices]]:
     found: list[tuple[Level, Indices]] = []
     if cells.runs >= 2:
         found.append(("run", cells.run))
-    elif all(len(np.unique(cells.ramp[cells.path == way])) >= 2 for way in cells.ways):
+    elif _ramps_repeated(cells):
         found.append(("ramp", cells.ramp))
     return [*found, ("block", blocks(cells))]
+
+
+def _ramps_repeated(cells: Cells) -> bool:
+    """Whether each path was seen on two ramps or more."""
+    fewest = 2 * len(cells.ways)
+    return cells.ramps >= fewest and all(len(np.unique(cells.ramp[cells.path == way])) >= 2 for way in cells.ways)
+
+
+def _find_blocks(cells: Sequence[Cells]) -> None:
+    """Find levels and members of those thermometers where nothing was repeated, at once."""
+    own = [one for one in {id(one.once): one for one in cells}.values()
+           if "levels" not in one.once and one.runs < 2 and not _ramps_repeated(one)]  # fmt: skip
+    if not own:
+        return
+    labels = [blocks(one) for one in own]
+    first = np.cumsum([0, *map(len, labels)])
+    unit = np.repeat(np.arange(len(own)), np.diff(first))
+    flat = np.concatenate(labels)
+    flat = unit * (int(flat.max()) + 1) + flat
+    order = np.argsort(flat, kind="stable")
+    starts = np.flatnonzero(np.diff(flat[order], prepend=-1))
+    ends = np.searchsorted(starts, first)
+    for i, (one, by) in enumerate(zip(own, labels, strict=True)):
+        mine, its = order[first[i] : first[i + 1]] - first[i], starts[ends[i] : ends[i + 1]] - first[i]
+        one.once.keep("levels", [("block", by)])
+        one.once.keep(("members", "block"), Members(mine, its))
 
 
 def members(cells: Cells, level: Level, clusters: Indices) -> Members:

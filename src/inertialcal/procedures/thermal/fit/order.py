@@ -24,6 +24,7 @@ import numpy as np
 
 from ....core.estimate import Array
 from ....statistics.least_squares import symmetric_inverse
+from ._kernels_cells import fill_roots
 from .cells import Cells, Indices
 from .law import designs, gathered, path_order_of
 
@@ -59,6 +60,7 @@ def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice
 def find_scores(cells: Sequence[Cells], largest: int) -> None:
     """Find the scores of several thermometers that `choose_order` wants, those of one shape at once."""
     own = [cells[at[0]] for at in gathered(id(one.once) for one in cells)]
+    _find_groups(own)
     shapes = [(one.beside.shape, *_groups(one).shape) for one in own]
     for at in gathered(shapes):
         alike = [own[i] for i in at]
@@ -94,19 +96,37 @@ class Groups:
 
 def _groups(cells: Cells) -> Groups:
     """Return what is held out."""
-    return cells.once("groups", lambda: _groups_found(cells))
+    if "groups" not in cells.once:
+        _find_groups([cells])
+    found: Groups = cells.once["groups"]
+    return found
 
 
-def _groups_found(cells: Cells) -> Groups:
-    path_order = path_order_of(cells)
-    if cells.runs >= RUNS:
-        return _numbered("runs", cells.run, path_order if cells.paths_repeated else -1)
-    if len(np.unique(cells.ramp)) >= RAMPS:
-        return _numbered("ramps", cells.ramp, -1)
-    lo, hi = cells.range
-    stretch = np.minimum(((cells.temperature - lo) / (hi - lo) * STRETCHES).astype(np.int64), STRETCHES - 1)
-    number = np.unique(stretch, return_inverse=True)[1]
-    return Groups("blocks", number, int(number.max()) + 1, np.zeros_like(number), 1, path_order)
+def _find_groups(cells: Sequence[Cells]) -> None:
+    """Find what is held out of the cells of several thermometers."""
+    short = []
+    for one in cells:
+        if one.runs >= RUNS:
+            order = path_order_of(one) if one.paths_repeated else -1
+            one.once.keep("groups", _numbered("runs", one.run, order))
+        elif one.ramps >= RAMPS:
+            one.once.keep("groups", _numbered("ramps", one.ramp, -1))
+        else:
+            short.append(one)
+    if not short:
+        return
+    unit = np.repeat(np.arange(len(short)), [len(one) for one in short])
+    lo, hi = np.array([one.range for one in short]).T
+    at = (np.concatenate([one.temperature for one in short]) - lo[unit]) / (hi - lo)[unit]
+    stretch = np.minimum((at * STRETCHES).astype(np.int64), STRETCHES - 1)
+    held = np.zeros((len(short), STRETCHES), dtype=np.int64)
+    held[unit, stretch] = 1
+    rank = np.cumsum(held, axis=1) - 1
+    number, none = rank[unit, stretch], np.zeros(len(unit), dtype=np.int64)
+    start = 0
+    for one, last in zip(short, rank[:, -1].tolist(), strict=True):
+        own = slice(start, start := start + len(one))
+        one.once.keep("groups", Groups("blocks", number[own], last + 1, none[own], 1, path_order_of(one)))
 
 
 def _numbered(held_out: HeldOut, labels: Indices, path_order: int) -> Groups:
@@ -163,7 +183,8 @@ def _solved(square: Array, along: Array, largest: int) -> Array:
     scale = np.sqrt(np.maximum(np.diagonal(square, axis1=2, axis2=3), np.finfo(float).tiny))[..., None]
     square, along = square / (scale * scale.swapaxes(2, 3)), along / scale
     nested = np.roll(at, p - largest - 1)  # all of D first: those of an order are then the first ones
-    root = np.array([_root(one[:, nested[:, None], nested]) for one in square])
+    root = np.empty(square.shape)
+    fill_roots(square[:, :, nested[:, None], nested].reshape(-1, p, p), root.reshape(-1, p, p))
     safe = np.all(p * np.sum(root**2, axis=(2, 3)) < SAFE, axis=1)  # bounds the ratio of the eigenvalues, of all orders
     root[~safe] = 0.0
     part = (root @ along[:, :, nested])[:, :, None] * taken[:, nested, None]
@@ -173,11 +194,3 @@ def _solved(square: Array, along: Array, largest: int) -> Array:
             inverse = symmetric_inverse(square[u][:, own[:, None], own], LEAST)
             found[u, :, order, own] = (inverse @ along[u][:, own]).swapaxes(0, 1)
     return np.asarray(found / scale[:, :, None])
-
-
-def _root(square: Array) -> Array:
-    """Return the inverse of the Cholesky factor of matrices, shape (g, p, p); infinite where one has none."""
-    try:
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(square)))
-    except np.linalg.LinAlgError:
-        return np.full_like(square, np.inf)

@@ -136,7 +136,7 @@ def _rates(cells: Cells) -> tuple[float, ...]:
 
 def _rates_found(cells: Cells) -> tuple[float, ...]:
     found = []
-    for own in cells.once("ramps", lambda: [np.flatnonzero(cells.ramp == ramp) for ramp in np.unique(cells.ramp)]):
+    for own in cells.once("of ramps", lambda: [np.flatnonzero(cells.ramp == ramp) for ramp in np.unique(cells.ramp)]):
         rates = np.sort(np.abs(cells.rate[own]))  # NaN last
         n = len(rates) - int(np.count_nonzero(np.isnan(rates)))
         if n:

@@ -39,7 +39,7 @@ from ....sensors.thermal import over_voltage
 from ....statistics.least_squares import times
 from ....statistics.polynomial import Polynomial, powers_from_series
 from ..plan import Attitude, Plan, Thermometer
-from .law import Law, find_contrasts, gathered, slopes_of
+from .law import Law, contrasts_of, gathered, slopes_of
 
 SOURCES = {
     "run": "scatter between runs",
@@ -82,9 +82,13 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
     thermometer = (plan.thermometers or {}).get(axis) if quantity == "bias" else None
     scale = (plan.scale_factor or {}).get(axis)
 
-    def rows_of(one: Law) -> list[Array]:
+    def over_temperature(one: Law) -> list[Array]:
         found = [powers_from_series(one.order, one.domain, plan.reference_temperature)]
-        found += [one.basis(inside)] if inside else []
+        return found + ([one.basis(inside)] if inside else [])
+
+    def rows_of(one: Law) -> list[Array]:
+        name = ("asked", one.order, one.domain, plan.reference_temperature, inside)
+        found = one.cells.once(name, lambda: over_temperature(one))
         return found + ([] if thermometer is None else [_over_volts(one, thermometer, scale)])
 
     own = rows_of(law)
@@ -101,12 +105,13 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
 
 def find_asked(laws: Sequence[Law], asked: Sequence[Sequence[Asked]]) -> None:
     """Find what `estimate` wants of judged laws, of many units, alike at once; also of coefficients alone."""
-    rows = [_joined(one).rows for one in asked]
-    find_contrasts(laws, rows)
-    find_contrasts(laws, [np.eye(one.order + 1) for one in laws])
-    for law, every, (first, *_) in zip(laws, rows, asked, strict=True):
-        covariance, dof = law.contrasts(every)
-        m = len(first.rows)
+    alone = [np.eye(one.order + 1) for one in laws]
+    rows = [np.concatenate([*(one.rows for one in own), each]) for own, each in zip(asked, alone, strict=True)]
+    found = contrasts_of(laws, rows)
+    for law, every, each, (first, *_), (covariance, dof) in zip(laws, rows, alone, asked, found, strict=True):
+        n, m = len(every) - len(each), len(first.rows)
+        law.know_contrasts(each, (covariance[n:, n:], dof[n:]))
+        law.know_contrasts(every[:n], (covariance[:n, :n], dof[:n]))
         law.know_contrasts(first.rows, (covariance[:m, :m], dof[:m]))
 
 
