@@ -718,9 +718,9 @@ MUTANTS = (
         "test_kernels_levels",
     ),
     Mutant(
-        "ramps.py",
-        "COOLING: np.maximum.accumulate(rest) - rest}",
-        "COOLING: 0.5 * (np.maximum.accumulate(rest) - rest)}",
+        "_kernels_ramps.py",
+        "level[high] - level[i] >= reversal",
+        "level[high] - level[i] >= 2.0 * reversal",
         "test_ramps",
     ),
     Mutant(

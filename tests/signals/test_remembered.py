@@ -16,7 +16,6 @@ from inertialcal.signals import _kernels
 from inertialcal.signals import remembered as module
 from inertialcal.signals.remembered import forget, remembered
 from inertialcal.signals.screening.screen import _searched, screen
-from inertialcal.signals.segmentation.ramps import find_ramps
 from inertialcal.signals.segmentation.segments import detect
 from inertialcal.signals.segmentation.still_stretches import Detection, still_stretches
 from inertialcal.signals.sense.changes import changes
@@ -121,7 +120,7 @@ def test_nobody_writes_into_what_others_get(samples: int) -> None:
     looked_at = remembered(lambda x: (held, np.zeros(len(x))))
     x = np.linspace(0.0, 50.0, samples)
     still = x[:600, None] // 30.0
-    for found in (looked_at(x), find_ramps(x, 5.0), still_stretches(still, None, Detection())):
+    for found in (looked_at(x), still_stretches(still, None, Detection())):
         for one in arrays_in(found):
             with pytest.raises(ValueError, match="read-only"):
                 one[...] = 1

@@ -9,6 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
+from inertialcal.signals.segmentation import _kernels_ramps as kernels
 from inertialcal.signals.segmentation.ramps import find_ramps
 
 
@@ -80,3 +81,29 @@ def test_refusals() -> None:
         find_ramps(np.full(5, np.nan), 1.0)
     with pytest.raises(PlanError, match="need more than 0"):
         find_ramps(np.zeros(5), 0.0)
+
+
+@pytest.mark.parametrize("cuts", [[], [5], [1, 2, 40]])
+def test_levels_of_a_record_in_batches_are_means_of_blocks(cuts: list[int]) -> None:
+    x = np.random.default_rng(4).normal(size=61)
+    x[[0, 9, 30]] = np.nan
+    good = np.flatnonzero(np.isfinite(x))
+    level, begins, held = np.empty(12), np.empty(12, dtype=np.int64), np.zeros(2, dtype=np.int64)
+    for add in (kernels.add_levels, kernels.add_levels.py_func):
+        held[:] = 0
+        for first, stop in pairwise([0, *cuts, len(x)]):
+            add(x[first:stop], first, 5, held, level, begins)
+        assert held.tolist() == [11, 3]
+        assert begins.tolist() == good[::5].tolist()
+        assert level[:11] == pytest.approx([x[good[k : k + 5]].mean() for k in range(0, 55, 5)])
+        assert level[11] == pytest.approx(x[good[55:]].sum())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_turns_are_those_of_the_plain_loop(seed: int) -> None:
+    level = np.cumsum(np.random.default_rng(seed).normal(size=300))
+    found, plain = (np.zeros((2, 300), dtype=np.int64) for _ in range(2))
+    count = kernels.fill_turns(level, 4.0, 0.1, found[0], found[1])
+    assert kernels.fill_turns.py_func(level, 4.0, 0.1, plain[0], plain[1]) == count > 5
+    assert found[:, :count].tolist() == plain[:, :count].tolist()
+    assert np.all(np.diff(found[1, :count]) != 0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from ...core.key import AXES, NO_REASON, Key, Member, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
-from ...statistics.intervals import chi_square_interval, t_interval, t_intervals_each
+from ...statistics.intervals import chi_square_interval, t_interval, t_intervals, t_intervals_each
 from ...statistics.least_squares import fit
 from ...statistics.polynomial import Polynomial
 from .fit.cells import Series
@@ -42,6 +43,9 @@ PATHS = Reason("paths_or_runs", "one run alone shows warming, or cooling: what t
 LONG = Reason("warm_up_long", "the start-up takes longer than the stay at the first temperature: stay longer")
 QUIET = "no transient after power-up above the noise"
 RAMPS = "from one run: excludes scatter between power-ups"
+RANGE = Reason("range", "end of the temperature range of the polynomial, as read; no uncertainty")
+BEHIND = Reason("limits", "delay of the bias behind the thermometer")
+FEW_SAMPLES = Reason("few_samples", "no cell has three samples")
 
 
 def rows(result: Result) -> list[Row]:
@@ -51,30 +55,44 @@ def rows(result: Result) -> list[Row]:
 
 def rows_many(results: Sequence[Result]) -> list[list[Row]]:
     """Return the same of each of several results at once."""
-    figures = iter(estimate_rows_each([each for one in results for each in (one.estimate, one.on_path)]))
+    limits = [{axis: _limits(one, each) for axis, each in one.sensors.items()} for one in results]
+    figures = iter(estimate_rows_each([one.estimate for one in results], limits))
+    single = iter(estimate_rows_each([one.on_path for one in results]))
+    sensors = [each for one in results for each in one.sensors.values()]
     cubics = iter(published_each([(one.plan, each) for one in results for each in one.sensors.values()]))
-    return [_rows(one, next(figures), next(figures), {axis: next(cubics) for axis in one.sensors}) for one in results]
+    effects = iter(_effect_intervals(sensors))
+    scatters = iter(_sample_scatters(sensors))
+    return [
+        _rows(
+            one,
+            next(figures),
+            next(single),
+            {axis: (next(effects), next(scatters), next(cubics)) for axis in one.sensors},
+        )
+        for one in results
+    ]
 
 
 def _rows(
-    result: Result, own: Mapping[Key, Row], on_path: Mapping[Key, Row], cubics: Mapping[str, PublishedRows]
-) -> list[Row]:
+    result: Result, own: Mapping[Key, Row], on_path: Mapping[Key, Row], known: Mapping[str, _Known]
+) -> list[Row]:  # fmt: skip
     found: list[Row] = []
     for axis in _axes(result):
         if axis not in result.sensors:
             found.append(not_estimated(Key("bias", axis), result.readings.unit, result.reasons[axis]))
             continue
         one = result.sensors[axis]
+        intervals, scatter, cubic = known[axis]
         found += _polynomial_rows(result, axis, one, own)
         if not one.law.midway:
             found += _one_path_rows(result, axis, one, on_path)
         found += _range_rows(axis, one)
-        found += _path_rows(result, axis, one)
-        found += _scatter_rows(result, axis, one)
+        found += _path_rows(result, axis, one, intervals)
+        found += _scatter_rows(result, axis, one, *scatter)
         found += _start_up_rows(result, axis, one)
         found += _reference_rows(result, axis)
         found += thermometer_rows(result.plan, result.readings, axis)
-        found += published_rows(result.plan, axis, cubics[axis], result.readings.unit)
+        found += published_rows(result.plan, axis, cubic, result.readings.unit)
     return found
 
 
@@ -87,31 +105,29 @@ def estimate_rows(estimate: Estimate | None) -> dict[Key, Row]:
     return estimate_rows_each([estimate])[0]
 
 
-def estimate_rows_each(estimates: Sequence[Estimate | None]) -> list[dict[Key, Row]]:
-    """Return the same of each of several estimates, none of None."""
+def estimate_rows_each(
+    estimates: Sequence[Estimate | None], reasons: Sequence[Mapping[str, Reason]] | None = None
+) -> list[dict[Key, Row]]:
+    """Return the same of each of several estimates, none of None; with a reason of each axis."""
     known = [one for one in estimates if one is not None]
     intervals = iter(t_intervals_each([(one.values, one.u, one.dof) for one in known]))
     found: list[dict[Key, Row]] = []
-    for one in estimates:
-        own = {}
+    for i, one in enumerate(estimates):
+        own, why = {}, {} if reasons is None else reasons[i]
         if one is not None:
             dof = [free if math.isfinite(free) else None for free in one.dof.tolist()]
             columns = zip(one.keys, one.values.tolist(), one.u.tolist(), one.units, dof, next(intervals), strict=True)
-            own = {key: Row.of_own(key, value, u, unit, free, ends, NO_REASON)
+            own = {key: Row.of_own(key, value, u, unit, free, ends, why.get(key.axis, NO_REASON))
                    for key, value, u, unit, free, ends in columns}  # fmt: skip
         found.append(own)
     return found
 
 
 def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key, Row]) -> Iterator[Row]:
-    missing = [name for name in needed(result.plan) if name not in result.plan.standards]
-    words = [limits] if (limits := _level_limits(one)) else []
-    words += ["relative to the unit's own thermometer and converter"] if missing else []
-    reason = Reason("limits", "; ".join(words))
     for asked in result.asked[axis]:
         for key, unit in zip(asked.keys, asked.units, strict=True):
             if key in own:
-                yield own[key].changed(reason=reason)
+                yield own[key]
             else:
                 yield not_estimated(key, unit, _why_not(result, one))
     low, high = one.law.domain
@@ -119,6 +135,13 @@ def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key,
         if not low <= temperature <= high:
             reason = Reason("outside", f"outside the range of the ramps, {low:.4g} to {high:.4g} degC")
             yield not_estimated(Key("bias", axis, at=at_degrees(temperature)), result.readings.unit, reason)
+
+
+def _limits(result: Result, one: OfSensor) -> Reason:
+    """Return what limits the figures of a sensor."""
+    missing = any(name not in result.plan.standards for name in needed(result.plan))
+    words = (_level_limits(one), "relative to the unit's own thermometer and converter" if missing else "")
+    return Reason("limits", "; ".join(filter(None, words)))
 
 
 def _one_path_rows(result: Result, axis: str, one: OfSensor, on_path: Mapping[Key, Row]) -> Iterator[Row]:
@@ -135,8 +158,13 @@ def _level_limits(one: OfSensor) -> str:
 
 def needed(plan: Plan) -> tuple[str, ...]:
     """Return the standards that every thermal test needs."""
+    return _needed(plan.scale_factor is not None)
+
+
+@cache
+def _needed(scaled: bool) -> tuple[str, ...]:
     names = ["thermometer.temperature"]
-    names += ["converter.reference"] if plan.scale_factor is not None else []
+    names += ["converter.reference"] if scaled else []
     return tuple(name for name in INFLUENCES if name in names)
 
 
@@ -150,38 +178,59 @@ def _why_not(result: Result, one: OfSensor) -> Reason:
 
 
 def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
-    reason = Reason("range", "end of the temperature range of the polynomial, as read; no uncertainty")
     for name, value in zip(("temperature_lowest", "temperature_highest"), one.law.domain, strict=True):
-        yield Row.without(Key(name, axis), value, "degC", reason)
+        yield Row.without(Key(name, axis), value, "degC", RANGE)
 
 
-def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
+def _effects(one: OfSensor) -> tuple[PathEffect, PathEffect, PathEffect]:
+    return one.paths.difference, one.paths.hysteresis, one.paths.lag
+
+
+def _effect_intervals(sensors: Sequence[OfSensor]) -> list[list[Interval | None]]:
+    """Return the intervals of what differs between the paths of each sensor."""
+    figures = [(each.value, each.u, each.dof) for one in sensors for each in _effects(one) if each.known]
+    values, u, dof = np.array(figures, dtype=float).reshape(-1, 3).T
+    found = iter(t_intervals(values, u, dof))
+    return [[next(found) if each.known else None for each in _effects(one)] for one in sensors]
+
+
+def _path_rows(result: Result, axis: str, one: OfSensor, intervals: Sequence[Interval | None]) -> Iterator[Row]:
     unit, paths = result.readings.unit, one.paths
     both = one.cells.both
     over = "" if both is None else f"warming minus cooling, mean from {both[0]:.4g} to {both[1]:.4g} degC"
     extra = f"; {limits}" if (limits := _level_limits(one)) else ""
-    yield effect_row(Key("path_difference", axis), unit, paths.difference, Reason("limits", over + extra))
     told = Reason(paths.word, f"{paths.word}: {paths.why}")
-    yield effect_row(Key("hysteresis", axis), unit, paths.hysteresis, told, f"{paths.word}: ")
-    behind = Reason("limits", "delay of the bias behind the thermometer")
-    yield effect_row(Key("thermal_lag", axis), "s", paths.lag, behind)
+    difference, hysteresis, lag = intervals
+    yield _effect_row(Key("path_difference", axis), unit, paths.difference, difference, Reason("limits", over + extra))
+    yield _effect_row(Key("hysteresis", axis), unit, paths.hysteresis, hysteresis, told, f"{paths.word}: ")
+    yield _effect_row(Key("thermal_lag", axis), "s", paths.lag, lag, BEHIND)
 
 
-def effect_row(key: Key, unit: str, effect: PathEffect, told: Reason, word: str = "") -> Row:
+def _effect_row(
+    key: Key, unit: str, effect: PathEffect, interval: Interval | None, told: Reason, word: str = ""
+) -> Row:  # fmt: skip
     """Return the row of something that differs between the paths; its own reason, after a word, goes first."""
-    if effect.value is None or effect.u is None or effect.dof is None:
-        reason = Reason(told.code, f"{word}{effect.reason}")
-        return Row.without(key, effect.value, unit, reason)
-    interval = t_interval(effect.value, effect.u, effect.dof)
+    if effect.value is None or effect.u is None or effect.dof is None or interval is None:
+        return Row.without(key, effect.value, unit, Reason(told.code, f"{word}{effect.reason}"))
     return Row.of_own(key, effect.value, effect.u, unit, effect.dof, interval, told)
 
 
-def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
+def _sample_scatters(sensors: Sequence[OfSensor]) -> list[tuple[float, float]]:
+    """Return the standard deviation of the samples of each sensor, and its degrees of freedom."""
+    if not sensors:
+        return []
+    cells = [one.cells for one in sensors]
+    starts = np.cumsum([0, *map(len, cells)])[:-1]
+    free = np.maximum(np.concatenate([one.samples for one in cells]) - 2.0, 0.0)
+    squares = np.concatenate([one.scatter for one in cells]) ** 2
+    dof, total = (np.add.reduceat(one, starts) for one in (free, free * squares))
+    std = np.sqrt(total / np.maximum(dof, 1.0))
+    return list(zip(std.tolist(), dof.tolist(), strict=True))
+
+
+def _scatter_rows(result: Result, axis: str, one: OfSensor, std: float, dof: float) -> Iterator[Row]:
     unit, cells = result.readings.unit, one.cells
-    free = np.maximum(cells.samples - 2.0, 0.0)
-    dof = float(free.sum())
-    std = math.sqrt((free * cells.scatter**2).sum() / max(dof, 1.0))
-    yield _scatter_row("scatter_sample", axis, unit, std, dof, Reason("few_samples", "no cell has three samples"))
+    yield _scatter_row("scatter_sample", axis, unit, std, dof, FEW_SAMPLES)
     name = "scatter_recording" if result.plan.run_level == "recording" else "scatter_run"
     offsets = one.run_offsets
     if len(offsets) < 2 or not (cells.paths_repeated or one.paths.loops):
@@ -193,7 +242,8 @@ def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
 def _scatter_row(name: str, axis: str, unit: str, std: float, dof: float, reason: Reason) -> Row:
     if dof < 1.0 or not std > 0.0:
         return not_estimated(Key(name, axis), unit, reason)
-    return Row(Key(name, axis), std, std / float(np.sqrt(2.0 * dof)), unit, dof, chi_square_interval(std, dof))
+    interval, u = chi_square_interval(std, dof), std / math.sqrt(2.0 * dof)
+    return Row.of_own(Key(name, axis), std, u, unit, dof, interval, NO_REASON)
 
 
 def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
@@ -221,14 +271,14 @@ def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     start, found, key = one.start_up, one.start_up.found, Key("warm_up_time", axis)
     own = result.readings.unit
     unit = result.plan.unit or own
-    least = start.settled * (factor(own, unit) if unit != own else 1.0)
-    told = Reason("limits", f"until the start-up transient is below {least:.3g} {unit}")
     if result.plan.warm_up is not None:
         return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:
         return not_estimated(key, "s", Reason("no_transient", start.reason))
     if not found.identified or start.cut <= 0.0:
         return Row(key, 0.0, None, "s", status="not_estimated", reason=Reason("none_left_out", "nothing left out"))
+    least = start.settled * (factor(own, unit) if unit != own else 1.0)
+    told = Reason("limits", f"until the start-up transient is below {least:.3g} {unit}")
     u, dof = found.u_settled_after(start.settled)
     if not (dof > 0.0 and found.resolved):
         return Row(key, start.cut, None, "s", status="not_estimated", reason=told)
@@ -372,6 +422,9 @@ class PublishedRows:
     intervals: Sequence[Interval | None]
 
 
+_Known = tuple[Sequence[Interval | None], tuple[float, float], PublishedRows]
+
+
 def published_each(sensors: Sequence[tuple[Plan, OfSensor]]) -> list[PublishedRows]:
     """Return the published fit of each of several sensors."""
     fits = [published_fit(plan, one.series, one.start_up.cut) for plan, one in sensors]
@@ -395,19 +448,29 @@ def published_rows(plan: Plan, axis: str, known: PublishedRows, unit: str) -> li
     if found is None:
         key, reason = Key("residual_sum_of_squares", axis), Reason("few_samples", "too few samples for a cubic")
         return [not_estimated(key, normalise(f"({unit})^2"), reason, Method.TEXTBOOK)]
-    own, by = ("V", "V") if found.volts else (unit, "degC")
-    stem = "bias_voltage" if found.volts else "bias_temperature"
+    keys, units = _published_labels(axis, unit, found.volts)
     told = f"unweighted cubic through all {found.samples} samples; the uncertainty assumes they are independent"
     reason, dof = Reason("limits", told), found.polynomial.dof
     us = [None] * len(known.values) if known.u is None else known.u.tolist()
     rows = []
-    for j, (value, u, interval) in enumerate(zip(known.values.tolist(), us, known.intervals, strict=True)):
-        key = Key("bias", axis) if j == 0 and not found.volts else Key(stem, axis, power=j)
-        rows.append(Row(key, value, u, power_unit(own, by, j), dof, interval, reason=reason, method=Method.TEXTBOOK))
-    square = normalise(f"({own})^2")
-    for name, value, its in (
-        ("residual_sum_of_squares", found.residual_sum_of_squares, square),
-        ("adjusted_r_square", found.adjusted_r_square, "1"),
+    for key, its, value, u, interval in zip(keys, units, known.values.tolist(), us, known.intervals, strict=False):
+        if u is not None and interval is not None and math.isfinite(value) and math.isfinite(u):
+            rows.append(Row.of_own(key, value, u, its, dof, interval, reason, Method.TEXTBOOK))
+        else:
+            rows.append(Row(key, value, u, its, dof, interval, reason=reason, method=Method.TEXTBOOK))
+    for key, its, value in zip(
+        keys[-2:], units[-2:], (found.residual_sum_of_squares, found.adjusted_r_square), strict=True
     ):
-        rows.append(Row.without(Key(name, axis), value, its, reason, Method.TEXTBOOK))
+        rows.append(Row.without(key, value, its, reason, Method.TEXTBOOK))
     return rows
+
+
+@lru_cache(maxsize=256)  # the same of all units of a lot
+def _published_labels(axis: str, unit: str, volts: bool) -> tuple[tuple[Key, ...], tuple[str, ...]]:
+    """Return keys and units of the coefficients, the residual sum of squares and the adjusted R-square."""
+    own, by = ("V", "V") if volts else (unit, "degC")
+    stem = "bias_voltage" if volts else "bias_temperature"
+    keys = [Key("bias", axis) if j == 0 and not volts else Key(stem, axis, power=j) for j in range(ORDER + 1)]
+    units = [power_unit(own, by, j) for j in range(ORDER + 1)]
+    named = (Key(name, axis) for name in ("residual_sum_of_squares", "adjusted_r_square"))
+    return (*keys, *named), (*units, normalise(f"({own})^2"), "1")

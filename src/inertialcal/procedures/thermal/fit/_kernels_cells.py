@@ -84,9 +84,9 @@ def add_squares(
 def count_still(columns: Array, away: float, noise: float, known: NDArray[np.int64]) -> int:
     """Return how many samples pass before the temperature leaves that of the start for good; -1 where time goes back.
 
-    Of columns of these, (2, n), what is known of both alone counts; which ones these are is filled in. What lies further away
-    from the first thousandth than so much has left; so has what is no longer within so many standard deviations of the
-    first half of the rest.
+    Of columns of these, (2, n), what is known of both alone counts; which ones these are is filled in. What lies
+    further away from the first thousandth than so much has left; so has what is no longer within so many standard
+    deviations of the first half of the rest.
     """
     time, temperature, count, last = columns[0], columns[1], 0, -np.inf
     for i in range(len(time)):

@@ -47,7 +47,7 @@ class Once:
     """What does not depend on the readings: found once for all sensors that share a thermometer."""
 
     def __init__(self, found: Mapping[str, object] = MappingProxyType({})) -> None:
-        self._found: dict[Hashable, object] = {**found}
+        self._found: dict[Hashable, object] = dict[Hashable, object](found.items())
 
     def __call__(self, what: Hashable, make: Callable[[], R]) -> R:
         """Return what stands under a name, made where there is none yet."""
@@ -429,7 +429,7 @@ class _Refused(NamedTuple):
 
 def _cells_each(given: Sequence[tuple[Plan, Series, float]]) -> list[list[Cells] | _Refused]:
     """Return the cells of all sensors of each of several thermometers, those of one shape at once."""
-    kinds: dict[Hashable, list[int]] = {}
+    kinds: dict[tuple[int, int, int], list[int]] = {}
     for i, (plan, one, _) in enumerate(given):
         kinds.setdefault((plan.bins, len(one.ramps), len(one.together)), []).append(i)
     found: dict[int, list[Cells] | _Refused] = {}
@@ -582,12 +582,12 @@ def _used(
     span, turn_over = np.array([one.span for one in series]).T, np.array([one.turn_over for one in series])
     shared = _seen(unit, number, full & (path == WARMING), len(series), bins)
     shared &= _seen(unit, number, full & (path == COOLING), len(series), bins)
-    looped = shared.any(axis=1)
+    looped: Mask = np.asarray(shared.any(axis=1))
     first, last = shared.argmax(axis=1), bins - 1 - shared[:, ::-1].argmax(axis=1)
     low = np.minimum.reduceat(np.where(full & (number == first[unit]), T, np.inf), starts)
     high = np.maximum.reduceat(np.where(full & (number == last[unit]), T, -np.inf), starts)
     reach = turn_over + (span[1] - span[0]) / (np.maximum.reduceat(number, starts) + 1)
-    used = full & (~looped[unit] | ((T >= (low - reach)[unit]) & (T <= (high + reach)[unit])))
+    used = full & (~looped[unit] | ((low - reach)[unit] <= T) & ((high + reach)[unit] >= T))
     beyond, sparse = (np.add.reduceat(samples * one, starts).astype(int).tolist() for one in (full & ~used, ~full))
     if not used.all():
         flat, unit = {name: one[..., used] for name, one in flat.items()}, unit[used]
@@ -602,14 +602,14 @@ def _used(
     seen = {
         "bins": np.count_nonzero(warm | cool, axis=1).tolist(),
         "shared_bins": [np.flatnonzero(one) for one in warm & cool],
-        "ramps": np.count_nonzero(_seen(unit, flat["ramp"], path != 0, len(series), len(series[0].ramps)), axis=1).tolist(),
+        "ramps": _seen(unit, flat["ramp"], path != 0, len(series), len(series[0].ramps)).sum(axis=1).tolist(),
         "ways": [tuple(way for way, on in ((COOLING, cold), (WARMING, hot)) if on)
-                 for cold, hot in zip(cool.any(axis=1).tolist(), warm.any(axis=1).tolist(), strict=True)],
+                 for cold, hot in np.column_stack([cool.any(axis=1), warm.any(axis=1)]).tolist()],
         "root": np.split(np.sqrt(weight), starts[1:]),
     }  # fmt: skip
     if all(len({*one.runs}) == 1 for one in series):
         seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:])}
-    narrow = (~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
+    narrow: list[bool] = np.asarray(~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
     left_out = (dict(zip(RULES, own, strict=True)) for own in zip(*left.T.tolist(), beyond, sparse, strict=True))
     ends = [*starts[1:].tolist(), len(T)]
     names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
@@ -617,11 +617,11 @@ def _used(
     columns = zip(once, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
                   looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
     found: list[list[Cells] | _Refused] = []
-    for mine, start, stop, its, out, loop, both, refused in columns:
-        if refused:
+    for mine, start, stop, its, out, loop, both, is_narrow in columns:
+        if is_narrow:
             found.append(_Refused("no_temperature_change", its[0]))
             continue
-        own = {name: flat[name][start:stop] for name in names}
+        own: dict[str, object] = {name: flat[name][start:stop] for name in names}
         readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
         own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
                 "both": both if loop else None, "once": mine}  # fmt: skip

@@ -52,6 +52,11 @@ class PathEffect:
     dof: float | None = None  # None where not estimated
     reason: str = ""  # Why not
 
+    @property
+    def known(self) -> bool:
+        """Whether there is a value with an uncertainty."""
+        return self.value is not None and self.u is not None and self.dof is not None
+
 
 ONE_PATH = PathEffect(None, reason="one path only was seen")
 

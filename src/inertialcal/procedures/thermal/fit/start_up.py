@@ -115,13 +115,13 @@ def _steady_part(series: Series, run: int) -> Indices:
 def _still_part(series: Series, run: int) -> Indices:
     """Return the same by the temperature alone."""
     if series.short:
-        own = series.of_run(run)
-        columns = np.concatenate([[series.time[one], series.temperature[one]] for one in own], axis=1)
+        parts = series.of_run(run)
+        columns = np.concatenate([[series.time[one], series.temperature[one]] for one in parts], axis=1)
         known = np.empty(columns.shape[1], dtype=np.int64)
         count = count_still(columns, STILL * series.turn_over, NOISE, known)
         if count >= 0:
             known = known[:count]
-            return known + own[0].start if len(own) == 1 else _numbered(own)[known]
+            return known + parts[0].start if len(parts) == 1 else _numbered(parts)[known]
     ordered = _in_order(series, run)
     few = max(sum(len(own) for own in ordered()) // 1000, 1)
     first = np.empty(0)
@@ -129,13 +129,13 @@ def _still_part(series: Series, run: int) -> Indices:
         first = np.append(first, series.temperature[own[: few - len(first)]])
         if len(first) == few:
             break
-    level, parts = first.mean() if len(first) else np.nan, [np.empty(0, dtype=np.int64)]
+    level, begun = first.mean() if len(first) else np.nan, [np.empty(0, dtype=np.int64)]
     for own in ordered():
         gone = np.flatnonzero(np.abs(series.temperature[own] - level) > STILL * series.turn_over)
-        parts.append(own[: gone[0]] if len(gone) else own)
+        begun.append(own[: gone[0]] if len(gone) else own)
         if len(gone):
             break
-    steady = np.concatenate(parts)
+    steady = np.concatenate(begun)
     if not len(steady):
         return steady
     warm = _at(series.temperature, steady)
