@@ -73,7 +73,7 @@ def disagreements(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
 
 
 def _stuck(axis: str, cells: Cells, run: int, readings: Readings) -> list[Remark]:
-    own = cells.reading[cells.run == run]
+    own = cells.reading if cells.runs == 1 else cells.reading[cells.run == run]
     low, high = float(own.min()), float(own.max())
     if high - low > ROUNDING * max(abs(low), abs(high)):
         return []

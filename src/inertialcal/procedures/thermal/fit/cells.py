@@ -243,6 +243,7 @@ class Cells:
     weight: Array  # shape (c,): those of one run, path and bin add up to 1
     beside: Array  # shape (k, c): readings of all sensors that share these cells
     sensor: int  # Row of this one among them
+    deviation: float  # Of all samples of this one, about their own lines [unit of the readings]
     range: tuple[float, float]  # Ends of the bins that are used [degC]
     left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out
     both: tuple[float, float] | None = None  # Ends of the temperatures that were seen on both paths [degC]
@@ -609,15 +610,17 @@ def _used(
     }  # fmt: skip
     if all(len({*one.runs}) == 1 for one in series):
         seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:])}
+    total = np.add.reduceat(flat["scatters"] ** 2 * flat["samples"], starts, axis=1)
+    deviation = np.sqrt(total / np.add.reduceat(flat["samples"], starts)).T.tolist()
     narrow: list[bool] = np.asarray(~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
     left_out = (dict(zip(RULES, own, strict=True)) for own in zip(*left.T.tolist(), beyond, sparse, strict=True))
     ends = [*starts[1:].tolist(), len(T)]
     names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
     once = (Once(dict(zip(seen, own, strict=True))) for own in zip(*seen.values(), strict=True))
-    columns = zip(once, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
+    columns = zip(once, deviation, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
                   looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
     found: list[list[Cells] | _Refused] = []
-    for mine, start, stop, its, out, loop, both, is_narrow in columns:
+    for mine, far, start, stop, its, out, loop, both, is_narrow in columns:
         if is_narrow:
             found.append(_Refused("no_temperature_change", its[0]))
             continue
@@ -625,8 +628,8 @@ def _used(
         readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
         own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
                 "both": both if loop else None, "once": mine}  # fmt: skip
-        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i)
-                      for i, (reading, scatter) in enumerate(zip(readings, scatters, strict=True))])  # fmt: skip
+        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i, deviation=each)
+                      for i, (reading, scatter, each) in enumerate(zip(readings, scatters, far, strict=True))])  # fmt: skip
     return found
 
 

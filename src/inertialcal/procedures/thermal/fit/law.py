@@ -488,6 +488,11 @@ def _scaled_each(cells: Sequence[Cells]) -> Array:
     return np.asarray((2.0 * np.array([one.temperature for one in cells]) - low - high) / (high - low))
 
 
+def series_each(cells: Sequence[Cells], order: int) -> Array:
+    """Return the row of a series at the temperature of each cell of several sensors, shape (s, c, order + 1)."""
+    return _series(_scaled_each(cells), order)
+
+
 def slopes_of(laws: Sequence[Law]) -> Array:
     """Return what P of laws of one order rises by with the temperature, as such a series, shape (s, order + 1)."""
     order, ends = laws[0].order, np.array([one.domain for one in laws])

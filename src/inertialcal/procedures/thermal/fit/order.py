@@ -49,12 +49,10 @@ class Choice:
 
 def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice:
     """Return the order of P, chosen on what is held out where none is given; the scores are found either way."""
-    held_out, found = cells.once(("held out", largest), lambda: _errors([cells], largest)[0])
-    errors = found[cells.sensor]
-    scores = np.sqrt(errors.mean(axis=1))
+    held_out, scores, lowest = cells.once(("held out", largest), lambda: _scores([cells], largest)[0])
     if given is not None:
-        return Choice(given, "given", scores)
-    return Choice(_lowest(scores), held_out, scores)
+        return Choice(given, "given", scores[cells.sensor])
+    return Choice(lowest[cells.sensor], held_out, scores[cells.sensor])
 
 
 def find_scores(cells: Sequence[Cells], largest: int) -> None:
@@ -65,16 +63,11 @@ def find_scores(cells: Sequence[Cells], largest: int) -> None:
     for at in gathered(shapes):
         alike = [own[i] for i in at]
         try:
-            found = _errors(alike, largest)
+            found = _scores(alike, largest)
         except np.linalg.LinAlgError:  # of one of them: alone it is the trouble of its unit
             continue
-        for one, errors in zip(alike, found, strict=True):
-            one.once.keep(("held out", largest), errors)
-
-
-def _lowest(scores: Array) -> int:
-    """Return the lowest order that predicts about as well as the best."""
-    return int(np.flatnonzero(scores <= NO_BETTER * scores.min())[0])
+        for one, scores in zip(alike, found, strict=True):
+            one.once.keep(("held out", largest), scores)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,10 +128,10 @@ def _numbered(held_out: HeldOut, labels: Indices, path_order: int) -> Groups:
     return Groups(held_out, number, count, number, count, path_order)
 
 
-def _errors(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array]]:
-    """Return what is held out, and the mean square errors of prediction of it, (k, largest + 1, g), of all sensors.
+def _scores(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array, list[int]]]:
+    """Return what is held out, the scores of all sensors by it, (k, largest + 1), and the order that each goes for.
 
-    Each group is predicted by the fit to the others, from the weighted moments of all groups. The cells of several
+    That is the lowest order that predicts about as well as the best. Each group is predicted by the fit to the others, from the weighted moments of all groups. The cells of several
     thermometers, of one shape, are taken end to end.
     """
     groups = [_groups(one) for one in cells]
@@ -169,7 +162,9 @@ def _errors(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array]]
     )  # (u, g, orders, k)
     errors = np.maximum(squares[:, tried, None] + bent, 0.0).transpose(0, 3, 2, 1)
     share = np.add.reduceat(weight, starts).reshape(units, each)[:, tried]
-    return [(first.held_out, one) for one in errors / share[:, None, None]]
+    scores = np.sqrt((errors / share[:, None, None]).mean(axis=3))
+    lowest = np.argmax(scores <= NO_BETTER * scores.min(axis=2, keepdims=True), axis=2).tolist()
+    return [(first.held_out, *one) for one in zip(scores, lowest, strict=True)]
 
 
 def _solved(square: Array, along: Array, largest: int) -> Array:

@@ -136,17 +136,31 @@ def _loops(cells: Cells) -> int:
 
 def _rates(cells: Cells) -> tuple[float, ...]:
     """Return the least and the largest median rate of the ramps: once where sensors share their rates."""
-    return cells.once(("rates", id(cells.rate)), lambda: (_rates_found(cells), cells.rate))[0]
+    if ("rates", id(cells.rate)) not in cells.once:
+        find_rates([cells])
+    found: tuple[float, ...] = cells.once["rates", id(cells.rate)][0]
+    return found
 
 
-def _rates_found(cells: Cells) -> tuple[float, ...]:
-    found = []
-    for own in cells.once("of ramps", lambda: [np.flatnonzero(cells.ramp == ramp) for ramp in np.unique(cells.ramp)]):
-        rates = np.sort(np.abs(cells.rate[own]))  # NaN last
-        n = len(rates) - int(np.count_nonzero(np.isnan(rates)))
-        if n:
-            found.append(float(0.5 * (rates[(n - 1) // 2] + rates[n // 2])))
-    return (min(found), max(found)) if found else ()
+def find_rates(cells: Sequence[Cells]) -> None:
+    """Find the least and the largest median rate of the ramps of several sensors, for `paths_of`."""
+    own = [*{(id(one.once), id(one.rate)): one for one in cells}.values()]
+    if not own:
+        return
+    unit = np.repeat(np.arange(len(own)), [len(one) for one in own])
+    ramp, rate = (np.concatenate(column) for column in zip(*((one.ramp, np.abs(one.rate)) for one in own), strict=True))
+    key = unit * (int(ramp.max()) + 1) + ramp
+    order = np.lexsort((rate, key))  # NaN last
+    key, rate = key[order], rate[order]
+    starts = np.flatnonzero(np.diff(key, prepend=-1))
+    n = np.add.reduceat(np.isfinite(rate), starts, dtype=np.int64)
+    median = 0.5 * (rate[starts + np.maximum(n - 1, 0) // 2] + rate[starts + np.maximum(n, 1) // 2])
+    of, median = unit[order][starts][n > 0], median[n > 0]
+    least, most = np.full(len(own), np.inf), np.full(len(own), -np.inf)
+    np.minimum.at(least, of, median)
+    np.maximum.at(most, of, median)
+    for one, low, high in zip(own, least.tolist(), most.tolist(), strict=True):
+        one.once.keep(("rates", id(one.rate)), ((low, high) if low <= high else (), one.rate))
 
 
 def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:

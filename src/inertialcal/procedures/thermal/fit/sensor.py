@@ -13,13 +13,14 @@ from ....core.batches import every, extremes
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.remarks import Remark
+from ....statistics.least_squares import times
 from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
 from .cells import Cells, Series, cells_of, find_cells, joined, lagging
-from .law import Law, gathered, judge, law_of, series_rows, unjudged_law_of, unjudged_laws_of
+from .law import Law, gathered, judge, law_of, series_each, unjudged_law_of, unjudged_laws_of
 from .order import Choice, choose_order, find_scores
-from .paths import Paths, Separated, find_differences, paths_of, separated
+from .paths import Paths, Separated, find_differences, find_rates, paths_of, separated
 from .start_up import StartUp, start_up_of
 
 R = TypeVar("R")
@@ -109,13 +110,15 @@ def reduce_sensors(tests: Sequence[tuple[Plan, Readings, Series]]) -> list[OfSen
     refused |= {i: error for i, error in zip(laws, judge([*laws.values()]), strict=True) if error is not None}
     final = _made((i for i in laws if i not in refused), lambda i: sensors[i].lagging(laws[i]), refused)
     find_differences([law for law, _ in final.values() if law.midway])
+    find_rates([law.cells for law, _ in final.values()])
     wanted = {i: (sensors[i].cells, order) for i in final if (order := sensors[i].higher(choices[i])) is not None}
     higher = _laws(wanted, refused)
 
     def finished(i: int) -> OfSensor:
         law, apart = final[i]
-        return _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart)
+        return _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart, offsets[i])
 
+    offsets = dict(zip(final, offsets_each([law for law, _ in final.values()]), strict=True))
     found = _made((i for i in final if i not in refused), finished, refused)
     return [found[i] if i in found else refused[i] for i in range(len(tests))]
 
@@ -145,7 +148,7 @@ def _laws(wanted: Mapping[int, tuple[Cells, int]], refused: dict[int, DataError]
     return laws
 
 
-def _found(one: _Sensor, law: Law, choice: Choice, apart: Separated) -> OfSensor:
+def _found(one: _Sensor, law: Law, choice: Choice, apart: Separated, offsets: Array) -> OfSensor:
     plan, readings, series, start_up = one.plan, one.readings, one.series, one.start_up
     remarks = (
         *disagreements(series.axis, law.cells, readings),
@@ -154,7 +157,7 @@ def _found(one: _Sensor, law: Law, choice: Choice, apart: Separated) -> OfSensor
     )
     references = _references(plan, readings, series, start_up.cut)
     paths = paths_of(law, apart, plan.no_hysteresis)
-    return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
+    return OfSensor(series, law, choice, start_up, paths, references, offsets, remarks)
 
 
 def _largest(cells: Cells, wanted: int) -> int:
@@ -178,16 +181,27 @@ def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> d
 
 def run_offsets(law: Law) -> Array:
     """Return the weighted mean residual of each run, shape (r,) [unit of the readings]."""
-    cells = law.cells
-    highest = max(law.order, law.path_order)
-    rows = cells.once(("rows", highest, law.domain), lambda: series_rows(cells.temperature, law.domain, highest))
-    fitted = rows[:, : law.order + 1] @ law.coefficients
-    if law.midway:
-        ways = law.path_fit.coefficients[law.order + 1 :]
-        fitted = fitted + 0.5 * cells.path * (rows[:, : law.path_order + 1] @ ways)
-    number = cells.run_number
-    left = cells.weight * (cells.reading - fitted)
-    return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
+    return offsets_each([law])[0]
+
+
+def offsets_each(laws: Sequence[Law]) -> list[Array]:
+    """Return the same of several laws, those of one shape at once."""
+    found: dict[int, Array] = {}
+    for at in gathered((len(one.cells), one.order, one.path_order, one.cells.runs) for one in laws):
+        own = [laws[i] for i in at]
+        order, path_order, runs = own[0].order, own[0].path_order, own[0].cells.runs
+        rows = series_each([one.cells for one in own], max(order, path_order))
+        fitted = times(rows[..., : order + 1], np.array([one.coefficients for one in own]))
+        if path_order >= 0:
+            ways = np.array([one.path_fit.coefficients[order + 1 :] for one in own])
+            path = np.array([one.cells.path for one in own])
+            fitted = fitted + 0.5 * path * times(rows[..., : path_order + 1], ways)
+        weight = np.array([one.cells.weight for one in own])
+        left = weight * (np.array([one.cells.reading for one in own]) - fitted)
+        number = (np.array([one.cells.run_number for one in own]) + runs * np.arange(len(own))[:, None]).ravel()
+        sums, total = np.bincount(number, left.ravel()), np.bincount(number, weight.ravel())
+        found.update(zip(at, (sums / total).reshape(len(own), runs), strict=True))
+    return [found[i] for i in range(len(laws))]
 
 
 def _without_ramp(readings: Readings, series: Series) -> list[Remark]:

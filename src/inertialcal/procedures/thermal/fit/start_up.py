@@ -9,7 +9,6 @@ is of the size of what a mean over some minutes can show.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -59,8 +58,7 @@ def start_up_of(plan: Plan, series: Series, cells: Cells, law: Callable[[], Law]
     law : callable
         What gives the first law of the sensor; called only where the temperature is steady after a power-up.
     """
-    scatter = math.sqrt((cells.scatter**2 * cells.samples).sum() / cells.samples.sum())
-    settled = plan.settled if plan.settled is not None else SHARE * scatter
+    settled = plan.settled if plan.settled is not None else SHARE * cells.deviation
     time, residual, run = _steady_means(series, law)
     found, reason = None, ""
     if not series.once("timed", lambda: bool(np.isfinite(series.time).any())):
