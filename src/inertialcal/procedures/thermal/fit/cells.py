@@ -628,8 +628,9 @@ def _used(
         readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
         own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
                 "both": both if loop else None, "once": mine}  # fmt: skip
-        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i, deviation=each)
-                      for i, (reading, scatter, each) in enumerate(zip(readings, scatters, far, strict=True))])  # fmt: skip
+        each = enumerate(zip(readings, scatters, far, strict=True))
+        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i, deviation=deviates)
+                      for i, (reading, scatter, deviates) in each])  # fmt: skip
     return found
 
 

@@ -131,8 +131,8 @@ def _numbered(held_out: HeldOut, labels: Indices, path_order: int) -> Groups:
 def _scores(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array, list[int]]]:
     """Return what is held out, the scores of all sensors by it, (k, largest + 1), and the order that each goes for.
 
-    That is the lowest order that predicts about as well as the best. Each group is predicted by the fit to the others, from the weighted moments of all groups. The cells of several
-    thermometers, of one shape, are taken end to end.
+    That is the lowest order that predicts about as well as the best. Each group is predicted by the fit to the others,
+    from the weighted moments of all groups. The cells of several thermometers, of one shape, are taken end to end.
     """
     groups = [_groups(one) for one in cells]
     units, each, first = len(cells), groups[0].count, groups[0]
