@@ -333,13 +333,15 @@ class Sources:
         changes = [None] * count if self.changes is None else [*self.changes]
         there = [True] * count if self.there is None else self.there.tolist()
         found: list[Component | None] = []
-        for i, k in enumerate(sizes):
-            c, free, by = self.covariance[i], dof[i], changes[i]
-            if k < most:
-                c, by = c[:k, :k].copy(), None if by is None else by[:, :k].copy()
-                free = free if isinstance(free, float) else free[:k].copy()
-            one = Component.of_own(own, covariance=c, dof=free, stated=stated[i], changes=by) if there[i] else None
-            found.append(one)
+        for k, c, free, its, by, has in zip(sizes, self.covariance, dof, stated, changes, there, strict=True):
+            if not has:
+                found.append(None)
+            elif k == most:
+                found.append(Component.of_own(own, covariance=c, dof=free, stated=its, changes=by))
+            else:
+                few = None if by is None else by[:, :k].copy()
+                less = free if isinstance(free, float) else free[:k].copy()
+                found.append(Component.of_own(own, covariance=c[:k, :k].copy(), dof=less, stated=its, changes=few))
         return found
 
 

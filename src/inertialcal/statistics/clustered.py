@@ -213,9 +213,10 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     """
     size = np.max(np.abs(to_contrast), axis=2, initial=0.0, keepdims=True)
     to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
-    z = np.matmul(adjust[:, None], to_contrast[:, :, None, :, None])  # z_g = Q_g z, shape (s, m, R, p, 1)
-    shared = np.matmul(gram[:, None], z)[..., 0]  # Q_g' Q_g z
-    own = np.sum(z[..., 0] * shared, axis=3)
+    along = np.matmul(adjust, to_contrast.swapaxes(1, 2)[:, None])  # z_g = Q_g z, shape (s, R, p, m)
+    z = np.ascontiguousarray(along.transpose(0, 3, 1, 2))
+    shared = np.ascontiguousarray(np.matmul(gram, along).transpose(0, 3, 1, 2))  # Q_g' Q_g z
+    own = np.sum(z * shared, axis=3)
     B = -shared @ shared.swapaxes(2, 3)
     at = np.arange(own.shape[2])
     B[:, :, at, at] += own

@@ -19,7 +19,7 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -64,6 +64,13 @@ class Fit:
             If there are no degrees of freedom.
         """
         return np.sqrt(np.diag(self.need_covariance()))
+
+    @classmethod
+    def of_own(cls, shared: Mapping[str, object], **fields: object) -> Fit:
+        """Return a fit of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(shared, **fields)
+        return found
 
     @property
     def scatter(self) -> float:
@@ -176,12 +183,14 @@ def fit_each(decomposed: Decomposed, readings: Array, names: Sequence[str]) -> l
     dof, labels = design.shape[1] - design.shape[2], tuple(names)
     square = np.sum(residuals**2, axis=1) / dof if dof else np.full(len(readings), np.nan)
     covariance = square[:, None, None] * (transform @ transform.swapaxes(1, 2))
-    leverage, squares = np.sum(basis**2, axis=2), square.tolist()
-    return [
-        Fit(coefficients[i], covariance[i] if dof else None, float(dof), residuals[i], leverage[i],
-            squares[i] if dof else None, design[i], None, labels, basis[i], transform[i])
-        for i in range(len(readings))
-    ]  # fmt: skip
+    nothing = [None] * len(readings)
+    columns = {
+        "coefficients": coefficients, "covariance": covariance if dof else nothing, "residuals": residuals,
+        "leverage": np.sum(basis**2, axis=2), "mean_square": square.tolist() if dof else nothing, "design": design,
+        "basis": basis, "transform": transform,
+    }  # fmt: skip
+    shared = {"dof": float(dof), "weights": None, "names": labels, "given": False}
+    return [Fit.of_own(shared, **dict(zip(columns, own, strict=True))) for own in zip(*columns.values(), strict=True)]
 
 
 def fit_correlated(design: Array, readings: Array, covariance: Array, names: Sequence[str] | None = None) -> Fit:

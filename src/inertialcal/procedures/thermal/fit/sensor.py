@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
@@ -13,6 +13,7 @@ from ....core.batches import every, extremes
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.remarks import Remark
+from ....core.results import changed
 from ....statistics.least_squares import times
 from ..plan import Plan
 from ..recordings import Readings
@@ -116,7 +117,7 @@ def reduce_sensors(tests: Sequence[tuple[Plan, Readings, Series]]) -> list[OfSen
 
     def finished(i: int) -> OfSensor:
         law, apart = final[i]
-        return _found(sensors[i], replace(law, higher=higher[i]) if i in higher else law, choices[i], apart, offsets[i])
+        return _found(sensors[i], changed(law, higher=higher[i]) if i in higher else law, choices[i], apart, offsets[i])
 
     offsets = dict(zip(final, offsets_each([law for law, _ in final.values()]), strict=True))
     found = _made((i for i in final if i not in refused), finished, refused)
