@@ -22,8 +22,8 @@ from ...core.results import Interval, Row, not_estimated
 from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import chi_square_interval, t_interval, t_intervals, t_intervals_each
-from ...statistics.least_squares import fit
-from ...statistics.polynomial import Polynomial
+from ...statistics.least_squares import fit, times
+from ...statistics.polynomial import Polynomial, powers_from_series
 from .fit.cells import Series
 from .fit.paths import PathEffect
 from .fit.quantities import at_degrees, power_unit
@@ -428,13 +428,19 @@ _Known = tuple[Sequence[Interval | None], tuple[float, float], PublishedRows]
 def published_each(sensors: Sequence[tuple[Plan, OfSensor]]) -> list[PublishedRows]:
     """Return the published fit of each of several sensors."""
     fits = [published_fit(plan, one.series, one.start_up.cut) for plan, one in sensors]
-    found: list[tuple[Published | None, Array, Array | None]] = []
+    changes, held = [], []
     for (plan, _), one in zip(sensors, fits, strict=True):
-        if one is None:
-            found.append((None, np.zeros(0), None))
-            continue
-        values, covariance = one.polynomial.monomials(0.0 if one.volts else plan.reference_temperature)
-        found.append((one, values, None if covariance is None else np.sqrt(covariance.diagonal())))
+        if one is not None:
+            about = 0.0 if one.volts else plan.reference_temperature
+            changes.append(powers_from_series(ORDER, one.polynomial.domain, about))
+            held.append(one.polynomial)
+    change = np.array(changes).reshape(-1, ORDER + 1, ORDER + 1)
+    values = times(change, np.array([one.coefficients for one in held]).reshape(-1, ORDER + 1))
+    nothing = np.full(change.shape[1:], np.nan)
+    spread = np.array([nothing if one.covariance is None else one.covariance for one in held]).reshape(change.shape)
+    us = np.sqrt(np.diagonal(change @ spread @ change.swapaxes(1, 2), axis1=1, axis2=2))
+    told = iter((row, None if one.covariance is None else u) for row, one, u in zip(values, held, us, strict=True))
+    found = [(None, np.zeros(0), None) if one is None else (one, *next(told)) for one in fits]
     judged = [(values, u, np.full(len(u), one.polynomial.dof)) for one, values, u in found
               if one is not None and u is not None]  # fmt: skip
     intervals = iter(t_intervals_each(judged))
