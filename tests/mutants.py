@@ -108,8 +108,8 @@ MUTANTS = (
     Mutant("estimate.py", "total += component.covariance", "total -= component.covariance", "test_estimate"),
     Mutant(
         "estimate.py",
-        "special.stdtrit(dof, p) ** 2 - z_square",
-        "special.stdtrit(dof, p) - z_square",
+        "special.stdtrit(dof[acts], p) ** 2 - z_square",
+        "special.stdtrit(dof[acts], p) - z_square",
         "test_estimate",
     ),
     Mutant("xsens.py", "-(2 ** (bits - 1))", "-(2**bits)", "test_lab_files"),
@@ -1202,14 +1202,14 @@ MUTANTS = (
     Mutant("law.py", "rows + 0.5 * spread[..., None] * (", "rows + spread[..., None] * (", "test_thermal_law"),
     Mutant(
         "cells.py",
-        "free = np.maximum(count - 2.0, 1.0)",
-        "free = np.maximum(count - 1.0, 1.0)",
+        "samples / np.maximum(samples - 2.0, 1.0)",
+        "samples / np.maximum(samples - 1.0, 1.0)",
         "test_thermal_test test_thermal_law",
     ),
     Mutant(
         "cells.py",
-        "weight=1.0 / np.bincount(key)[key]",
-        "weight=1.0 * np.bincount(key)[key]",
+        "weight = 1.0 / np.bincount(key)[key]",
+        "weight = 1.0 * np.bincount(key)[key]",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(
@@ -1220,8 +1220,8 @@ MUTANTS = (
     ),
     Mutant(
         "order.py",
-        "scores <= NO_BETTER * scores.min())[0]",
-        "scores <= NO_BETTER * scores.min())[-1]",
+        "np.argmax(scores <= NO_BETTER",
+        "np.argmax(scores >= NO_BETTER",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(
@@ -1231,9 +1231,9 @@ MUTANTS = (
         "test_thermal_paths",
     ),
     Mutant(
-        "start_up.py",
-        "(cells.scatter**2 * cells.samples).sum()",
-        "(cells.scatter * cells.samples).sum()",
+        "cells.py",
+        'flat["scatters"] ** 2 * flat["samples"]',
+        'flat["scatters"] * flat["samples"]',
         "test_thermal_test",
     ),
     Mutant(
