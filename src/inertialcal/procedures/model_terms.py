@@ -273,7 +273,7 @@ def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | DataErr
         for i, (keys, _, taken) in enumerate(layouts):
             place[i, : len(keys)], scale[i, : len(keys)] = taken[j]
             values[i] += scale[i] * every[i].values[place[i]]
-        for one, source in zip(first.components, _sources_of(every, place), strict=True):
+        for one, source in zip(first.components, _sources_of(every, place, scale), strict=True):
             names = _labels(one)
             if names is None:
                 origin = one.origin if one.origin.test else one.origin._replace(test=", ".join(part.tests))
@@ -288,8 +288,11 @@ def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | DataErr
     return [Estimate.of_own(keys, row[: len(keys)], units, ()) for keys, row, units in rows]
 
 
-def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp]) -> list[Sources]:
-    """Return the sources of several units, the same of all, each for the values at some places; at -1 there is none."""
+def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp], scale: Array) -> list[Sources]:
+    """Return the sources of several units, the same of all, each for the values at some places, times their scale.
+
+    At -1 there is none.
+    """
     first, count = every[0].components, len(every)
     k = max(len(one.values) for one in every) + 1  # the last is blank
     sizes = [0 if part.changes is None else len(part.changes) for part in first]
@@ -307,6 +310,8 @@ def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp]) -> list[Sour
     unit = np.arange(count)[:, None]
     square, dof = square[:, unit[:, None], place[:, :, None], place[:, None]], dof[:, unit, place]
     moved = moved[:, unit, place].swapaxes(0, 1)
+    if not np.all((scale == 1.0) | (place < 0)):
+        square, moved = square * (scale[:, :, None] * scale[:, None]), moved * scale[:, None]
     return [
         Sources(
             one.given, one.kind, square[j], dof[j], one.distribution, [each.components[j].stated for each in every],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,22 @@ def test_an_origin_that_two_parts_have_is_one_unknown_and_scatter_is_not() -> No
         "two",
     }
     assert whole.shared(SCALE) == {"site.latitude": pytest.approx(2.0)}
+
+
+def test_parts_in_two_units_of_one_quantity_add_with_their_uncertainties() -> None:
+    """1 rad/s with u 0.3 rad/s, and after it 1 deg/s with u 2 deg/s."""
+    first = terms({BIAS: 1.0}, (Component(SCATTER, "A", np.array([[0.09]]), 5.0),), "thermal")
+    later = terms({BIAS: 1.0, SCALE: 0.0}, (scatter([[2.0, 0.001]]),), "rate", ("thermal",))
+    assert later.estimate is not None
+    estimate = replace(later.estimate, units=("deg/s", "1"))
+    whole = joined_terms([first, replace(later, estimate=estimate)]).estimate
+    assert whole is not None
+    place = whole.keys.index(BIAS)
+    degree = 1.0 if whole.units[place] == "rad/s" else np.degrees(1.0)  # whichever comes first
+    assert whole.values[place] == pytest.approx(degree * (1.0 + np.radians(1.0)))
+    assert whole.covariance[place, place] == pytest.approx(degree**2 * (0.09 + np.radians(2.0) ** 2))
+    covariance = whole.covariance[place, whole.keys.index(SCALE)]
+    assert covariance == pytest.approx(degree * np.radians(2.0) * 0.001)
 
 
 def test_one_term_of_two_tests_is_refused_with_what_decides() -> None:
