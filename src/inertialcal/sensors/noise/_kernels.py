@@ -67,7 +67,7 @@ def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
         x[i] *= T[i, p]
 
 
-@inlined
+@compiled
 def _fill_equations(rows: Array, weighted: Array, rest: Array, p: int, A: Array, b: Array) -> None:
     """Fill p rows of D' W D and D' W rest, where D (``rows``) and W D have their columns filled up to whole eights."""
     wide, k = len(b), len(rest)
@@ -90,7 +90,7 @@ def _fill_equations(rows: Array, weighted: Array, rest: Array, p: int, A: Array,
             store(A, (i + 3) * wide + j, four)
 
 
-@inlined
+@compiled
 def scored(D: Array, data: Array, held: int, value: float, v: Array, warm: bool) -> float:
     """Fill v >= 0 of least cost for mu = D v, v[held] at its value (held -1 for none); return the cost.
 
