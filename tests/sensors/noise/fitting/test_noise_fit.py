@@ -143,7 +143,8 @@ def test_terms_that_do_not_explain_are_told_by_the_residual_test() -> None:
 @pytest.mark.parametrize("left", [1e-17, 0.0, -1e-17], ids=["above", "none", "below"])
 def test_a_value_that_the_fit_took_whole_says_nothing(left: float) -> None:
     """What rounding leaves of its variance may have either sign."""
-    test = chi_square(np.array([1.0, -1.0, 1.0, 1e-18]), np.diag([1.0, 2.0, 4.0, left]), 3)
+    values, covariance = np.array([1.0, -1.0, 1.0, 1e-18]), np.diag([1.0, 2.0, 4.0, left])
+    test = chi_square(np.column_stack([values, covariance]), 3)
     assert test is not None
     assert test.dof == 3
     assert test.statistic == pytest.approx(1.75)

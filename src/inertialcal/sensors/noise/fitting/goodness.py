@@ -83,7 +83,7 @@ def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare 
 
 
 def chi_square(found: Array, dof: int) -> ChiSquare | None:
-    """Return the sum of squares of values in the metric of their covariance of that rank, which is behind them.
+    """Return the sum of squares of values in the metric of their covariance of that rank, which is behind them; written over.
 
     Values that the fit took whole are left out.
     """
