@@ -83,9 +83,9 @@ def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare 
 
 
 def chi_square(found: Array, dof: int) -> ChiSquare | None:
-    """Return the sum of squares of values in the metric of their covariance of that rank, which is behind them; written over.
+    """Return the sum of squares of values in the metric of their covariance of that rank, which is behind them.
 
-    Values that the fit took whole are left out.
+    Values that the fit took whole are left out. The array is written over.
     """
     if dof < 1:
         return None
