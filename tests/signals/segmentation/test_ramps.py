@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -89,7 +90,7 @@ def test_levels_of_a_record_in_batches_are_means_of_blocks(cuts: list[int]) -> N
     x[[0, 9, 30]] = np.nan
     good = np.flatnonzero(np.isfinite(x))
     level, begins, held = np.empty(12), np.empty(12, dtype=np.int64), np.zeros(2, dtype=np.int64)
-    for add in (kernels.add_levels, kernels.add_levels.py_func):
+    for add in (kernels.add_levels, cast("Any", kernels.add_levels).py_func):
         held[:] = 0
         for first, stop in pairwise([0, *cuts, len(x)]):
             add(x[first:stop], first, 5, held, level, begins)
@@ -104,6 +105,6 @@ def test_turns_are_those_of_the_plain_loop(seed: int) -> None:
     level = np.cumsum(np.random.default_rng(seed).normal(size=300))
     found, plain = (np.zeros((2, 300), dtype=np.int64) for _ in range(2))
     count = kernels.fill_turns(level, 4.0, 0.1, found[0], found[1])
-    assert kernels.fill_turns.py_func(level, 4.0, 0.1, plain[0], plain[1]) == count > 5
+    assert cast("Any", kernels.fill_turns).py_func(level, 4.0, 0.1, plain[0], plain[1]) == count > 5
     assert found[:, :count].tolist() == plain[:, :count].tolist()
     assert np.all(np.diff(found[1, :count]) != 0)
