@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -177,3 +178,24 @@ def test_a_unit_that_kills_its_worker_twice_is_quarantined_and_the_others_are_as
     assert ic.lot(made, tmp_path / "out", resume=True, workers=0).redone == 1  # it is tried again when it is asked for
     ic.lot(made, tmp_path / "other", workers=0)
     assert digests(tmp_path / "out") == digests(tmp_path / "other")
+
+
+def test_a_worker_that_is_killed_while_it_sends_a_block_is_replaced(
+    lot: tuple[Path, dict[str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Half of a block stands in the pipe, and nobody writes the rest: the lot hung for ever."""
+    made, expected = lot
+    parent, told, send = os.getpid(), tmp_path / "killed", Connection._send  # type: ignore[attr-defined]
+
+    def half(self: Connection, given: bytes, write: Callable[..., int] = os.write) -> None:
+        if os.getpid() != parent and len(given) > 2_000 and not told.exists():
+            told.touch()
+            os.write(self.fileno(), given[: len(given) // 2])
+            os.kill(os.getpid(), signal.SIGKILL)
+        send(self, given, write)
+
+    monkeypatch.setattr(Connection, "_send", half)
+    monkeypatch.setattr(workers_module, "STUCK", 1.0)
+    ic.lot(made, tmp_path / "out", workers=2)
+    assert told.exists()
+    assert digests(tmp_path / "out") == expected

@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -30,6 +31,7 @@ from .block import Block, Given, Job, killed, reduce_block
 
 SUSPECT = 2  # workers that a block may lose before its units are tried alone
 PROBES = 3  # how often that may find no culprit before the units stay alone
+STUCK = 5.0  # [s] that a pool may take to see that one of its processes has ended
 LOOK = 0.5  # [s] between two looks at whether the other side is still there
 Done = Callable[[Sequence[Given], Block], None]
 
@@ -169,6 +171,8 @@ class Processes:
         self.size = count
         self._others: set[BaseProcess] = set()  # that were there before the pool
         self._pool: ProcessPoolExecutor | None = None
+        self._known: set[BaseProcess] = set()  # that were seen in the pool
+        self._short: float | None = None  # since when one of them is missing
 
     def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
         """Give a block to one of them."""
@@ -187,7 +191,7 @@ class Processes:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads: those of libraries, which know of forks
             pool.submit(os.getpid)  # starts them; where they are no doubles, the first of them
-        self._pool = pool
+        self._pool, self._known, self._short = pool, set(active_children()) - self._others, None
         return pool
 
     def is_lost(self, error: BaseException) -> bool:
@@ -195,7 +199,25 @@ class Processes:
         return isinstance(error, BrokenExecutor)
 
     def check(self) -> None:
-        """Go on: processes are replaced as blocks are begun."""
+        """Go on: processes are replaced as blocks are begun.
+
+        One that was killed while it sent a block leaves the pool waiting for the rest of it, for the pool holds the
+        other end too. It is closed here, by which the pool takes them all for ended.
+        """
+        living = set(active_children()) - self._others
+        self._known |= living
+        if self._pool is None or self._known <= living:
+            self._short = None
+            return
+        now = time.monotonic()
+        self._short = now if self._short is None else self._short
+        if now - self._short > STUCK:
+            for one in living:
+                with suppress(ValueError, OSError):
+                    one.kill()
+                one.join()
+            with suppress(AttributeError, OSError):
+                self._pool._result_queue._writer.close()  # type: ignore[attr-defined]
 
     def close(self) -> None:
         """End them, whatever they do."""
