@@ -223,7 +223,7 @@ def _patterns(file: LotFile, at: At) -> Iterator[Problem]:
             why = "every file of a lot lies in its store"
             yield Problem(what, at(*key), why, "Name files from the folder of the store on", "outside")
         if set(COLUMN.sub("", text)) & set("{}"):
-            what, do = f"{'.'.join(key)}: a brace in {text!r} has no other", 'Write a column as "{serial}"'
+            what, do = f"{'.'.join(key)}: unmatched brace in {text!r}", 'Write a column as "{serial}"'
             yield Problem(what, at(*key), "no cell would take its place", do, "wrong_value")
     user, sign, _ = file.store.partition("://")[2].partition("/")[0].rpartition("@")
     if sign and user != "anonymous":

@@ -304,13 +304,14 @@ def _leaves(schema: pa.Schema) -> Iterator[str]:
 def _rows(ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int, end: int) -> pa.Table:
     """Return the rows of some units: those in the ledger, or in place of them."""
     tables: list[pa.Table] = []
+    read = lru_cache(maxsize=4)(lambda block: _table(ledger.rows(block)))  # units done again stand among others
     runs = groupby(range(first, end), lambda at: (at in instead, noted[at].block, noted[at].place - at))
     for (replaced, block, _), run in runs:
         numbers = list(run)
         if replaced:
             tables += [_table(instead[at]) for at in numbers]
         else:
-            tables.append(_table(ledger.rows(block)).slice(noted[numbers[0]].place, len(numbers)))
+            tables.append(read(block).slice(noted[numbers[0]].place, len(numbers)))
     return pa.concat_tables(tables).set_column(0, "number", pa.array(range(first, end), pa.int64()))
 
 
