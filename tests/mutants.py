@@ -1712,8 +1712,8 @@ MUTANTS = (
     ),
     Mutant(
         "filtered.py",
-        "return 2.0 * (plain - cost), CORNERS",
-        "return -2.0 * (plain - cost), CORNERS",
+        "gains.append((2.0 * (alone - cost), CORNERS",
+        "gains.append((-2.0 * (alone - cost), CORNERS",
         "test_filtered test_band",
     ),
     Mutant(

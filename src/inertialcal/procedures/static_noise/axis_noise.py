@@ -17,6 +17,7 @@ from ...core.batches import every, is_stored, known_finite
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.key import Kind, Reason
 from ...core.remarks import Remark
+from ...core.results import changed
 from ...core.show.rounding import freedom, number
 from ...sensors.noise.fitting.estimator import Fit, fit_many, with_intervals
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
@@ -198,7 +199,8 @@ def _noise(
 
 def fit_records(asked: Sequence[tuple[Plan, Sequence[Recorded], str, tuple[float, ...]]]) -> list[Fitted]:
     """Return the terms of records of each of many axes, whose slowest waves are given [Hz]."""
-    found = [_banded(*one) for one in asked]
+    every = bands_of([one[:3] for one in asked])
+    found = [_banded(records, waves, bands) for (_, records, _, waves), bands in zip(asked, every, strict=True)]
     plans = [plan for plan, *_ in asked]
     fits = _fits_of([(plan, one.records, one.lines) for plan, one in zip(plans, found, strict=True)])
     # The lines may leave the chosen terms without noise
@@ -215,13 +217,12 @@ def fit_records(asked: Sequence[tuple[Plan, Sequence[Recorded], str, tuple[float
     ]
 
 
-def _banded(plan: Plan, records: Sequence[Recorded], axis: str, waves: tuple[float, ...]) -> Fitted:
+def _banded(records: Sequence[Recorded], waves: tuple[float, ...], bands: Bands) -> Fitted:
     """Return the records of one axis with their bands, and the lines to be fitted."""
-    bands = bands_of(plan, records, axis)
-    inside = tuple(
-        inside_band(replace(one, band=band, unseen=unseen))
+    inside = tuple([
+        inside_band(changed(one, band=band, unseen=unseen))
         for one, band, unseen in zip(records, bands.each, bands.unseen, strict=True)
-    )
+    ])  # fmt: skip
     return Fitted(inside, bands, tuple(sorted((*lines_to_fit([one.spectral for one in inside]), *waves))))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...sensors.noise.fitting.filtered import Band, Search, search
+from ...sensors.noise.fitting.filtered import Band, Search, search_many
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -46,9 +46,21 @@ def stated_cut_off(plan: Plan, record: Recorded) -> float | None:
     return plan.cut_off if plan.cut_off is not None else record.run.cut_off
 
 
-def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
-    """Return the bands of the records of one axis."""
-    searches = [_searched(one) for one in records]
+def bands_of(asked: Sequence[tuple[Plan, Sequence[Recorded], str]]) -> list[Bands]:
+    """Return the bands of the records of each of many axes; their spectra are searched side by side."""
+    there = [one.spectral for _, records, _ in asked for one in records if one.spectral.spectrum is not None]
+    found = iter(search_many([
+        (one.spectrum, None if one.lines is None else one.lines.marked[:, 0])
+        for one in there if one.spectrum is not None
+    ]))  # fmt: skip
+    return [
+        _bands(plan, records, axis, [None if one.spectral.spectrum is None else next(found) for one in records])
+        for plan, records, axis in asked
+    ]
+
+
+def _bands(plan: Plan, records: Sequence[Recorded], axis: str, searches: Sequence[Search | None]) -> Bands:
+    """Return the bands of the records of one axis, as they were searched."""
     known = [one for one in searches if one is not None]
     found = bool(known) and Search.together(known)
     stated = [stated_cut_off(plan, one) for one in records]
@@ -72,13 +84,6 @@ def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
     corner = float(np.median(corners))
     remarks = _remarks(axis, corner, found, records, each, stated, known)
     return Bands(tuple(each), (None,) * len(each), corner, tuple(remarks))
-
-
-def _searched(record: Recorded) -> Search | None:
-    spectrum, lines = record.spectral.spectrum, record.spectral.lines
-    if spectrum is None:
-        return None
-    return search(spectrum, None if lines is None else lines.marked[:, 0])
 
 
 def _unused(axis: str, found: bool, stated: Sequence[float]) -> list[Remark]:

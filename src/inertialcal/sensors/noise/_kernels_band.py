@@ -13,6 +13,7 @@ from ...signals._kernels_lanes import LANES, eight, load, store, times
 from ...statistics._kernels import compiled
 from ._kernels import CONVERGED, MOST_PIVOTS, MOST_STEPS, NO_SLOPE, SHORTEST_STEP, SINGULAR
 
+FAR = 4.0  # times twice the gain of a step: more than all further ones gain
 LEAST, MOST = 1e-300, 1e300  # numbers whose logarithm is that of their bits
 MANTISSA, ONE = 2**52 - 1, 0x3FF << 52  # bits of a double
 FROM = 0x3FE6A09E << 32  # the root of one half: mantissas go from there to twice that
@@ -24,32 +25,33 @@ SERIES = (
 
 
 @compiled
-def banded(
-    cycles: Array, density: Array, marked: NDArray[np.bool_], edf: float, neighbours: Array, per_decade: float,
-    out: Array,
-) -> int:  # fmt: skip
-    """Fill frequency, mean density and half the degrees of freedom of bands, shape (3, n); return how many there are.
+def banded_each(
+    bands: Array, cycles: Array, density: Array, marked: NDArray[np.bool_], edf: float, neighbours: Array, out: Array,
+    counts: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Fill frequency, mean density and half the degrees of freedom of bands of each spectrum, shape (n, 3, k).
 
-    What is ``marked`` is left out (none is, where that is empty), and bands without density; ``neighbours`` are squared
-    correlations of densities that lie so far apart.
+    ``bands`` is that of each frequency, rising; ``counts`` (n,) is how many each spectrum has. What is ``marked`` is
+    left out, and bands without density; ``neighbours`` are squared correlations of densities that lie so far apart.
     """
-    found, size, last, at, total = 0, 0, -1.0, 0.0, 0.0
-    for i in range(len(cycles) + 1):
-        if i < len(cycles) and len(marked) > 0 and marked[i]:
-            continue
-        band = np.floor(np.log10(cycles[i] / cycles[0]) * per_decade + 1e-9) if i < len(cycles) else np.inf
-        if band != last:
-            if size > 0 and total > 0.0:
-                pairs = float(size)
-                for lag in range(1, min(size, len(neighbours))):
-                    pairs += 2.0 * (size - lag) * neighbours[lag]
-                out[0, found], out[1, found] = at / size, total / size
-                out[2, found] = 0.5 * edf * size * size / pairs
-                found += 1
-            size, last, at, total = 0, band, 0.0, 0.0
-        if i < len(cycles):
-            size, at, total = size + 1, at + cycles[i], total + density[i]
-    return found
+    for j in range(len(out)):
+        found, size, last, at, total = 0, 0, -1.0, 0.0, 0.0
+        for i in range(len(cycles) + 1):
+            if i < len(cycles) and marked[j, i]:
+                continue
+            band = bands[i] if i < len(cycles) else np.inf
+            if band != last:
+                if size > 0 and total > 0.0:
+                    pairs = float(size)
+                    for lag in range(1, min(size, len(neighbours))):
+                        pairs += 2.0 * (size - lag) * neighbours[lag]
+                    out[j, 0, found], out[j, 1, found] = at / size, total / size
+                    out[j, 2, found] = 0.5 * edf * size * size / pairs
+                    found += 1
+                size, last, at, total = 0, band, 0.0, 0.0
+            if i < len(cycles):
+                size, at, total = size + 1, at + cycles[i], total + density[j, i]
+        counts[j] = found
 
 
 @compiled
@@ -192,11 +194,11 @@ def _fill_mean(rows: Array, v: Array, new: Array, step: float, mu: Array, count:
 
 
 @compiled
-def few_scored(rows: Array, s: Array, w: Array, v: Array) -> float:
+def few_scored(rows: Array, s: Array, w: Array, v: Array, most: float) -> float:
     """Fill v >= 0 of least cost for mu = v rows, few of which are needed, and return the cost: ``_kernels.scored``.
 
     Its equations are filled for those few alone. It starts from v where that gives a mean, else from the data. ``s``
-    and ``w`` have the length of a row.
+    and ``w`` have the length of a row. Where it will not come down to ``most``, it stops on its way.
     """
     p, long = rows.shape
     A, inverse, known, b, new = np.empty((p, p)), np.empty((p, p)), np.empty(p, np.bool_), np.empty(p), np.empty(p)
@@ -236,7 +238,7 @@ def few_scored(rows: Array, s: Array, w: Array, v: Array) -> float:
         for i in range(p):
             v[i] += step * (new[i] - v[i])
         gained, cost = cost - trial, trial
-        if gained <= CONVERGED:
+        if gained <= CONVERGED or cost - FAR * change > most:
             break
     return float(cost)
 
@@ -249,7 +251,7 @@ def largest_near(mildly: Array, s: Array, w: Array, stride: int, near: float) ->
     """
     costs, v, best, at, last = np.full(len(mildly), np.inf), np.zeros(mildly.shape[1]), 0, 0, len(mildly) - 1
     while True:
-        costs[at] = few_scored(mildly[at], s, w, v)  # much like the one before
+        costs[at] = few_scored(mildly[at], s, w, v, costs[best] + near)  # much like the one before
         if costs[at] < costs[best]:
             best = at
         if at == last or costs[at] > costs[best] + near:
@@ -259,7 +261,7 @@ def largest_near(mildly: Array, s: Array, w: Array, stride: int, near: float) ->
     middle = best
     for i in range(max(middle - stride + 1, 0), min(middle + stride, outside)):
         if costs[i] == np.inf:
-            costs[i] = few_scored(mildly[i], s, w, v)
+            costs[i] = few_scored(mildly[i], s, w, v, costs[best] + near)
         if costs[i] < costs[best]:
             best = i
     for i in range(len(costs)):
@@ -270,7 +272,7 @@ def largest_near(mildly: Array, s: Array, w: Array, stride: int, near: float) ->
             break
     while outside - inside > 1:
         at = (inside + outside) // 2
-        if few_scored(mildly[at], s, w, v) < costs[best] + near:
+        if few_scored(mildly[at], s, w, v, costs[best] + near) < costs[best] + near:
             inside = at
         else:
             outside = at
@@ -278,30 +280,47 @@ def largest_near(mildly: Array, s: Array, w: Array, stride: int, near: float) ->
 
 
 @compiled
-def lowest(
-    plainly: Array, behind: Array, mildly: Array, s: Array, w: Array, rules: tuple[int, int, float, int, float]
-) -> tuple[int, float, float, int]:
-    """Return the size of least cost, that cost, the cost without a low pass, and the size of a mild one.
+def lowest_each(
+    plainly: Array, behind: Array, mildly: Array, data: Array, rules: tuple[int, int, int, float, float, int, float],
+    found: Array,
+) -> None:  # fmt: skip
+    """Fill the size of least cost, that cost, the cost without a low pass, and the size of a mild one, shape (n, 4).
 
-    Every ``coarse`` size is tried; all, each from the data, where twice the gain over no low pass is ``doubtful``. The
-    first sizes are as good as none.
+    Of densities and weights ``data`` (n, 2, long). Every ``coarse`` size is tried; those about the best, each from the
+    data, where twice the gain over no low pass is ``doubtful``; and all where it then is ``likely``. The first sizes
+    are as good as ``none``. The columns alone have one more than those behind a low pass, the one that is ``rounded``.
     """
-    none, coarse, doubtful, stride, near = rules
-    plain, best, v, least = few_scored(plainly, s, w, np.zeros(len(plainly))), 0, np.zeros(behind.shape[1]), np.inf
-    without = plain
-    for i in range(0, len(behind), coarse):  # each is much like the one before
-        cost = few_scored(behind[i], s, w, v)
-        if i < none:
-            without = min(without, cost)
-        if cost < least:
-            best, least = i, cost
-    if 2.0 * (without - least) >= doubtful:
-        best, least = 0, np.inf
-        for i in range(len(behind)):
-            cost = few_scored(behind[i], s, w, np.zeros(behind.shape[1]))
-            if i < none:  # where the solver stops short
-                plain = min(plain, cost)
+    none, rounded, coarse, doubtful, likely, stride, near = rules
+    first, v, count = np.empty(len(plainly)), np.empty(behind.shape[1]), len(behind)
+    for j in range(len(data)):
+        s, w = data[j, 0], data[j, 1]
+        first[:] = 0.0
+        plain, best, least = few_scored(plainly, s, w, first, np.inf), 0, np.inf
+        v[:] = 0.0
+        for i in range(min(len(first) - 1, len(v))):
+            v[i] = first[i + int(i >= rounded)]
+        without = plain
+        for i in range(0, count, coarse):  # each is much like the one before
+            cost = few_scored(behind[i], s, w, v, np.inf if i < none else least)
+            if i < none:
+                without = min(without, cost)
             if cost < least:
                 best, least = i, cost
-        without = plain
-    return best, least, without, largest_near(mildly, s, w, stride, near)
+        if 2.0 * (without - least) >= doubtful:
+            for i in range(max(best - coarse + 1, none), min(best + coarse, count)):
+                v[:] = 0.0
+                cost = few_scored(behind[i], s, w, v, least)
+                if cost < least:
+                    best, least = i, cost
+        if 2.0 * (without - least) >= likely:
+            best, least = 0, np.inf
+            for i in range(count):
+                v[:] = 0.0
+                cost = few_scored(behind[i], s, w, v, np.inf if i < none else least)
+                if i < none:  # where the solver stops short
+                    plain = min(plain, cost)
+                if cost < least:
+                    best, least = i, cost
+            without = plain
+        found[j, 0], found[j, 1], found[j, 2] = best, least, without
+        found[j, 3] = largest_near(mildly, s, w, stride, near)

@@ -47,7 +47,7 @@ from ....signals._kernels_lanes import LANES
 from ....signals.spectrum.density import Spectrum
 from ....statistics.least_squares import symmetric_inverse
 from .._kernels import fit_of
-from .._kernels_band import banded, lowest
+from .._kernels_band import banded_each, lowest_each
 from ..expected import density_of_samples, density_of_steps
 from ..terms import GaussMarkov, Phase
 
@@ -59,7 +59,6 @@ STEEP = 30.0  # fall of the density about one octave that shows a filter of itse
 PERIODS = 1.5  # of the corner, in the shortest averaging time of the fit
 PART = 0.5  # of the corner, up to which the level is fitted
 FEWEST = 6  # bands below that
-UNMARKED = np.empty(0, dtype=bool)
 NONE_MARKOV = np.empty((0, 0)), np.empty(0)  # no table of Gauss-Markov noise, nothing to search
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
@@ -71,7 +70,8 @@ STEPS = 4.0 * np.sin(np.pi * CYCLES) ** 2
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
 COARSE = 8  # of these sizes, one of which is tried first: ten times the size has a good part of the gain
-DOUBTFUL = 2.0  # twice the gain of log likelihood there, from which all are tried
+DOUBTFUL = 2.0  # twice the gain of log likelihood there, from which those about the best are tried
+LIKELY_THERE = 0.4 * CLEAR  # the same of those, from which all are tried
 STRIDE = 4  # of mild ones, in the same way
 NEAR = 0.5  # log likelihood less than the best: one standard uncertainty
 MILD = 0.3  # size of a low pass, above which it does not stay hidden
@@ -172,13 +172,27 @@ def unit_flicker(duty: float) -> Array:
     return density_of_samples(Phase(flicker=1.0, duty=duty), CYCLES)
 
 
-def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array]:
-    """Return frequencies [cycles a sample], mean density and half the degrees of freedom of bands, without lines."""
-    cycles = spectrum.frequency * spectrum.interval
-    out = np.empty((3, len(cycles)))
-    density, left = spectrum.density[:, 0].copy(), UNMARKED if marked is None else marked.copy()
-    count = banded(cycles, density, left, float(spectrum.edf), spectrum.neighbours.copy(), float(PER_DECADE), out)
-    return out[0, :count], out[1, :count], out[2, :count]
+def bands_of(
+    spectra: Sequence[Spectrum], marked: Sequence[NDArray[np.bool_] | None]
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return bands of spectra with the same frequencies, without lines, and how many each has, shape (n,).
+
+    Of shape (n, 3, k): frequency [cycles a sample], mean density and half the degrees of freedom.
+    """
+    first = spectra[0]
+    cycles = first.frequency * first.interval
+    density = np.array([one.density[:, 0] for one in spectra])
+    left, out, counts = (
+        np.zeros(density.shape, np.bool_),
+        np.empty((len(spectra), 3, len(cycles))),
+        np.empty(len(spectra), np.int64),
+    )
+    for i, own in enumerate(marked):
+        if own is not None:
+            left[i] = own
+    bands = np.floor(np.log10(cycles / cycles[0]) * PER_DECADE + 1e-9)
+    banded_each(bands, cycles, density, left, float(first.edf), first.neighbours.copy(), out, counts)
+    return out, counts
 
 
 def columns_at(cycles: Array, interval: float) -> Array:
@@ -231,18 +245,24 @@ def filled(count: int) -> int:
     return -(-count // LANES) * LANES
 
 
-def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float, float]:
+def gains_of(cycles: Array, density: Array, weight: Array, interval: float) -> list[tuple[float, float, float]]:
     """Return twice the gain of log likelihood by a low pass, its corner [cycles a sample], and a mild one's size.
 
-    The low pass is one of first order. Of mild ones, it is the largest that fits nearly as well as the best.
+    Of each of n spectra, densities and weights of shape (n, k). The low pass is one of first order. Of mild ones, it is
+    the largest that fits nearly as well as the best.
     """
-    s, w = measured = np.zeros((2, filled(len(cycles))))
-    measured[:, : len(cycles)] = density, weight
-    rules = NONE + 1, COARSE, DOUBTFUL, STRIDE, NEAR
-    best, cost, plain, hidden = lowest(*_behind(cycles.tobytes(), interval), s, w, rules)
-    if 2.0 * (plain - cost) >= CLEAR:
-        plain = min(plain, with_one_time(cycles, density, weight, interval))
-    return 2.0 * (plain - cost), CORNERS[best], float(MILDEST[hidden])
+    n, k = density.shape
+    data, found = np.zeros((n, 2, filled(k))), np.empty((n, 4))
+    data[:, 0, :k], data[:, 1, :k] = density, weight
+    rules = NONE + 1, ROUNDED, COARSE, DOUBTFUL, LIKELY_THERE, STRIDE, NEAR
+    lowest_each(*_behind(cycles.tobytes(), interval), data, rules, found)
+    gains = []
+    for (best, cost, plain, hidden), own, by in zip(found.tolist(), density, weight, strict=True):
+        alone = plain
+        if 2.0 * (plain - cost) >= CLEAR:
+            alone = min(plain, with_one_time(cycles, own, by, interval))
+        gains.append((2.0 * (alone - cost), CORNERS[int(best)], float(MILDEST[int(hidden)])))
+    return gains
 
 
 def with_one_time(cycles: Array, density: Array, weight: Array, interval: float) -> float:
@@ -319,29 +339,60 @@ class Search:
 
 def search(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> Search | None:
     """Return the spectrum of a record, searched for a low pass; None where it has too few frequencies."""
-    cycles, density, weight = bands_of(spectrum, marked)
-    if len(cycles) < LEAST:
-        return None
-    steep = steep_fall(cycles, density)
-    if steep is not None:
-        return Search(cycles, density, weight, spectrum.interval, float("inf"), steep)
-    return Search(cycles, density, weight, spectrum.interval, *gain_of(cycles, density, weight, spectrum.interval))
+    return search_many([(spectrum, marked)])[0]
 
 
-def steep_fall(cycles: Array, density: Array) -> float | None:
-    """Return from where the density falls as that of no term does, and stays low [cycles a sample]; None for nowhere.
+def search_many(asked: Sequence[tuple[Spectrum, NDArray[np.bool_] | None]]) -> list[Search | None]:
+    """Return the same of each of many spectra, with their marks; those with the same frequencies side by side."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for i, (one, _) in enumerate(asked):
+        alike.setdefault((id(one.frequency), id(one.neighbours), one.edf, one.interval), []).append(i)
+    found: list[Search | None] = [None] * len(asked)
+    for places in alike.values():
+        bands, counts = bands_of([asked[i][0] for i in places], [asked[i][1] for i in places])
+        ways: dict[bytes, list[int]] = {}
+        for j, count in enumerate(counts.tolist()):
+            if count >= LEAST:
+                ways.setdefault(bands[j, 0, :count].tobytes(), []).append(j)
+        for stored, at in ways.items():
+            cycles = np.frombuffer(stored)
+            own = bands[at, 1:, : len(cycles)]
+            searches = _searched(cycles, own[:, 0], own[:, 1], asked[places[0]][0].interval)
+            for j, one in zip(at, searches, strict=True):
+                found[places[j]] = one
+    return found
 
-    A walk falls by 8 from the octave below a frequency to the octave above it.
+
+def _searched(cycles: Array, density: Array, weight: Array, interval: float) -> list[Search]:
+    """Return spectra with the same bands searched, densities and weights of shape (n, k)."""
+    steep = steep_falls(cycles, density)
+    usual = [i for i, one in enumerate(steep) if one is None]
+    gains = dict(zip(usual, gains_of(cycles, density[usual], weight[usual], interval), strict=True))
+    return [
+        Search(cycles, density[i], weight[i], interval, *(gains[i] if one is None else (float("inf"), one)))
+        for i, one in enumerate(steep)
+    ]
+
+
+def steep_falls(cycles: Array, density: Array) -> list[float | None]:
+    """Return from where densities, shape (n, k), fall as that of no term does, and stay low [cycles a sample].
+
+    None for nowhere. A walk falls by 8 from the octave below a frequency to the octave above it.
     """
-    highest = np.maximum.accumulate(density[::-1])[::-1]  # of all above
+    highest = np.maximum.accumulate(density[:, ::-1], axis=1)[:, ::-1]  # of all above
     inside = np.flatnonzero((cycles >= SLOWEST) & (2.0 * cycles < cycles[-1]))
     above = np.searchsorted(cycles, 2.0 * cycles[inside])
-    low = STEEP * highest[above] < np.maximum.accumulate(density)[inside]  # else no median below is so much more
-    for i in inside[low]:
-        below = density[np.searchsorted(cycles, 0.5 * cycles[i], side="right") : i + 1]
-        if STEEP * highest[np.searchsorted(cycles, 2.0 * cycles[i])] < np.median(below):
-            return float(cycles[np.flatnonzero(density >= 0.5 * np.median(below))[-1]])
-    return None
+    # else no median below is so much more
+    low = STEEP * highest[:, above] < np.maximum.accumulate(density, axis=1)[:, inside]
+    found: list[float | None] = [None] * len(density)
+    for j in np.flatnonzero(low.any(axis=1)).tolist():
+        own = density[j]
+        for i, after in zip(inside[low[j]], above[low[j]], strict=True):
+            below = np.median(own[np.searchsorted(cycles, 0.5 * cycles[i], side="right") : i + 1])
+            if STEEP * highest[j, after] < below:
+                found[j] = float(cycles[np.flatnonzero(own >= 0.5 * below)[-1]])
+                break
+    return found
 
 
 def band_at(cycles: Array, density: Array, weight: Array, interval: float, corner: float, held: bool) -> Band | None:
