@@ -19,7 +19,7 @@ from ...core.key import Kind, Reason
 from ...core.remarks import Remark
 from ...core.results import changed
 from ...core.show.rounding import freedom, number
-from ...sensors.noise.fitting.estimator import Fit, fit_many, with_intervals
+from ...sensors.noise.fitting.estimator import Fit, fit_many
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
 from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name, sample_unit
@@ -167,11 +167,6 @@ def noises_of(asked: Sequence[tuple[Plan, Readings, str]]) -> list[AxisNoise]:
     missing = [i for i in range(len(asked)) if i not in found and each[i][0]]
     fits = fit_records([(asked[i][0], each[i][0], asked[i][2], waves[i]) for i in missing])
     found |= dict(zip(missing, fits, strict=True))
-    known = [i for i, one in found.items() if one.fit is not None]
-    if len(known) > FEW:  # of a lot: judged by limits, most of them
-        fitted_ones = with_intervals([fit for fit in (found[i].fit for i in known) if fit is not None], JUDGED)
-        for i, fit in zip(known, fitted_ones, strict=True):
-            found[i] = replace(found[i], fit=fit)
     return [_noise(*one, *own[1:], found.get(i)) for i, (one, own) in enumerate(zip(asked, each, strict=True))]
 
 
@@ -212,7 +207,7 @@ def fit_records(asked: Sequence[tuple[Plan, Sequence[Recorded], str, tuple[float
     for i, fit in zip(again, _fits_of([(plans[i], found[i].records, ()) for i in again]), strict=True):
         found[i], fits[i] = replace(found[i], lines=()), fit
     return [
-        replace(one, problem=fit.problems[0]) if isinstance(fit, InertialcalError) else replace(one, fit=fit)
+        changed(one, problem=fit.problems[0]) if isinstance(fit, InertialcalError) else changed(one, fit=fit)
         for one, fit in zip(found, fits, strict=True)
     ]
 
@@ -388,11 +383,12 @@ def _fits_of(
     InertialcalError
         What is wrong with a plan.
     """
+    also = (JUDGED,) if len(asked) > FEW else ()  # of a lot: judged by limits, most of them
     fits = fit_many([
         Fit(
             [one.taken or one.curve for one in records], plan.kind,
             "auto" if plan.terms is None else tuple(plan.terms), lines,
-            [one.band or one.unseen for one in records], 0, plan.unit,
+            [one.band or one.unseen for one in records], 0, plan.unit, also=also,
         )
         for plan, records, lines in asked
     ])  # fmt: skip

@@ -24,12 +24,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from dataclasses import dataclass, field
+from functools import cache, cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special
 
 from ....core.errors import DataError, InertialcalError, PlanError
 from ....core.estimate import Array, Component, Estimate
@@ -64,12 +63,21 @@ from .goodness import (
     misfit_of,
     residual_test,
 )
-from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, terms_of, time_at
-from .limits import Limit, Missing, interval_of, limits_of_many, wide_of_many
+from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, terms_of, time_at
+from .limits import (
+    NORMAL_BELOW,
+    Limit,
+    Missing,
+    interval_of,
+    limits_of_many,
+    normal_ends,
+    normal_point,
+    wide_of_many,
+)
 from .noise_fit import NoiseFit, Parameter, Rival, TermEstimate
 from .order import NAMES, NEARER, PLAUSIBLE, PRICE, SUPPLE, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, inside, problem_of, run_of, unit_of, with_misfit
-from .stack import Stack, estimate_each, know, stacks
+from .stack import Stack, estimate_each, know, means_of, stacks
 
 AUTO = (*NAMES, GAUSS_MARKOV)
 FAST = (Quantization.name, RandomWalk.name)  # terms of short averaging times
@@ -139,6 +147,7 @@ class Fit:
     axis: int | None = None
     unit: str = ""
     p: float = 0.95
+    also: tuple[float, ...] = ()  # Probabilities of other intervals, found at once
 
 
 def fit_many(fits: Sequence[Fit]) -> list[NoiseFit | InertialcalError]:
@@ -153,13 +162,14 @@ def fit_many(fits: Sequence[Fit]) -> list[NoiseFit | InertialcalError]:
             found[i] = error
     places = [*problems]
     for alike in stacks([*problems.values()]):
-        ways: dict[tuple[tuple[str, ...], float], list[int]] = {}
+        ways: dict[tuple[tuple[str, ...], tuple[float, ...]], list[int]] = {}
         for i in (places[j] for j in alike):
             terms = fits[i].terms
-            ways.setdefault(((terms,) if isinstance(terms, str) else tuple(terms), fits[i].p), []).append(i)
-        for (terms, p), at in ways.items():
+            ps = fits[i].p, *fits[i].also
+            ways.setdefault(((terms,) if isinstance(terms, str) else tuple(terms), ps), []).append(i)
+        for (terms, ps), at in ways.items():
             own = [Asked(problems[i], fits[i].kind, units[i]) for i in at]
-            found.update(zip(at, _fitted(own, terms, p), strict=True))
+            found.update(zip(at, _fitted(own, terms, ps), strict=True))
     return [found[i] for i in range(len(fits))]
 
 
@@ -188,10 +198,10 @@ def _problem(one: Fit) -> tuple[Problem, str]:
     return problem, samples
 
 
-def _fitted(asked: Sequence[Asked], terms: tuple[str, ...], p: float) -> list[NoiseFit | InertialcalError]:
-    """Return the fits of series of one sampling."""
+def _fitted(asked: Sequence[Asked], terms: tuple[str, ...], ps: tuple[float, ...]) -> list[NoiseFit | InertialcalError]:
+    """Return the fits of series of one sampling, with intervals of probabilities, the first of them shown."""
     wanted = AUTO if terms == ("auto",) else terms
-    solved = _solved(asked, terms, p)
+    solved = _solved(asked, terms, ps[0])
     worse = {
         i: misfit
         for i, one in enumerate(solved)
@@ -201,7 +211,7 @@ def _fitted(asked: Sequence[Asked], terms: tuple[str, ...], p: float) -> list[No
     }
     if worse:
         again = [asked[i]._replace(problem=with_misfit(asked[i].problem, misfit)) for i, misfit in worse.items()]
-        for i, one in zip(worse, _solved(again, terms, p), strict=True):
+        for i, one in zip(worse, _solved(again, terms, ps[0]), strict=True):
             solved[i] = one
     alike: dict[bytes, list[int]] = {}
     for i, one in enumerate(solved):
@@ -210,7 +220,7 @@ def _fitted(asked: Sequence[Asked], terms: tuple[str, ...], p: float) -> list[No
     ready: dict[int, NoiseFit] = {}
     for at in alike.values():
         several = [one for one in (solved[i] for i in at) if isinstance(one, Solution)]
-        ready.update(zip(at, _results([asked[i].problem for i in at], several, wanted), strict=True))
+        ready.update(zip(at, _results([asked[i].problem for i in at], several, wanted, ps), strict=True))
     return [one if isinstance(one, InertialcalError) else ready[i] for i, one in enumerate(solved)]
 
 
@@ -218,40 +228,49 @@ def _pattern(fitted: Fitted) -> bytes:
     return (fitted.powers > 0.0).tobytes()
 
 
-def _results(plain: Sequence[Problem], solutions: Sequence[Solution], wanted: Sequence[str]) -> list[NoiseFit]:
+def _results(
+    plain: Sequence[Problem], solutions: Sequence[Solution], wanted: Sequence[str], ps: Sequence[float]
+) -> list[NoiseFit]:
     """Return solutions with the same terms as users see them: the terms found, those that are not, and the tests."""
     stack, there = Stack(tuple([one.problem for one in solutions])), present(solutions[0].fitted)
     names = [name for name in wanted if name not in there]
-    found, missed = _estimated(stack, solutions, solutions[0].p), _not_identified(stack, solutions, names)
-    return [_result(*one) for one in zip(plain, solutions, found, missed, strict=True)]
+    every = _estimated(stack, solutions, ps)
+    found, missed = every[0], _not_identified(stack, solutions, names)
+    estimates, expected = estimates_of(solutions, found), means_of(stack, [one.fitted for one in solutions])
+    known: list[dict[float, tuple[TermEstimate, ...]]] = [
+        dict(zip(ps[1:], own, strict=True))
+        for own in (zip(*every[1:], strict=True) if len(ps) > 1 else [()] * len(solutions))
+    ]
+    each = zip(plain, solutions, found, missed, estimates, expected, known, strict=True)
+    return [_result(*one) for one in each]
 
 
 def _result(
-    plain: Problem, solution: Solution, found: tuple[TermEstimate, ...], missed: tuple[TermEstimate, ...]
-) -> NoiseFit:
-    problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
+    plain: Problem, solution: Solution, found: tuple[TermEstimate, ...], missed: tuple[TermEstimate, ...],
+    estimate: Estimate, expected: Array, known: dict[float, tuple[TermEstimate, ...]],
+) -> NoiseFit:  # fmt: skip
+    problem, fitted, best = solution.problem, solution.fitted, solution.table[0].criterion
     residual = solution.residual
     if problem is not plain:
         residual = residual_test(plain, fitted, covariance_of_runs(plain, fitted))
     agreement = agreement_test(problem, fitted, solution.sigma)
-    runs = problem.runs
-    expected = mean_of(problem, fitted)
+    runs, terms, rivals = problem.runs, terms_of(problem, fitted), rivals_of(solution)
     return NoiseFit(
         solution.kind,
         solution.unit,
         found + missed,
-        estimate_of(solution, found),
-        tuple([(choice.terms, choice.criterion - best.criterion) for choice in solution.table]),
+        estimate,
+        tuple([(choice.terms, choice.criterion - best) for choice in solution.table]),
         residual,
         agreement,
         0.5 * problem.misfit,
-        terms_of(problem, fitted),
+        terms,
         tuple([run.tau for run in runs]),
         tuple([run.variance for run in runs]),
         (expected,) if len(runs) == 1 else tuple(np.split(expected, np.cumsum([len(run.m) for run in runs])[:-1])),
-        EstimatedAt(solution),
-        remarks_of(solution, residual, agreement),
-        rivals_of(solution),
+        EstimatedAt(solution, known),
+        remarks_of(solution, residual, agreement, terms, rivals),
+        rivals,
     )
 
 
@@ -303,7 +322,10 @@ def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
     return wanted
 
 
-def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSquare | None) -> tuple[Remark, ...]:
+def remarks_of(
+    solution: Solution, residual: ChiSquare | None, agreement: ChiSquare | None, terms: Sequence[Term],
+    rivals: Sequence[Rival],
+) -> tuple[Remark, ...]:  # fmt: skip
     """Return what should be known of a fit.
 
     Parameters
@@ -312,18 +334,24 @@ def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSqu
         The fit.
     residual, agreement : ChiSquare or None
         Whether the terms explain the Allan deviation, and whether runs agree.
+    terms : sequence of Term
+        Those that were fitted.
+    rivals : sequence of Rival
+        Those that may be true in their place.
     """
     agree = agreement is None or agreement.p >= SIGNIFICANT
     return (
         *_unexplained(solution, residual, agree),
         *_runs(solution, agree, agreement),
-        *_white_beyond(solution),
-        *_alike(solution),
+        *_white_beyond(solution, terms),
+        *_alike(solution, terms, rivals[:MOST_RIVALS]),
     )
 
 
 def rivals_of(solution: Solution) -> tuple[Rival, ...]:
     """Return other terms of long averaging times that may be true in place of those taken, the best of each kind."""
+    if not solution.rivals:
+        return ()
     chosen = solution.table[0]
     found: dict[frozenset[str], Rival] = {frozenset(chosen.terms) - {*FAST}: Rival((), 0.0)}
     for one in solution.rivals:
@@ -332,9 +360,8 @@ def rivals_of(solution: Solution) -> tuple[Rival, ...]:
     return tuple(one for one in found.values() if one.terms)
 
 
-def _alike(solution: Solution) -> tuple[Remark, ...]:
+def _alike(solution: Solution, terms: Sequence[Term], rivals: Sequence[Rival]) -> tuple[Remark, ...]:
     """Say which terms of long averaging times the record cannot separate, with their sizes in each fit."""
-    rivals = rivals_of(solution)[:MOST_RIVALS]
     if not rivals:
         return ()
 
@@ -345,7 +372,7 @@ def _alike(solution: Solution) -> tuple[Remark, ...]:
             if term.name not in FAST and term.name != Sinusoid.name
         ) or "white noise alone"  # fmt: skip
 
-    ways = [told(terms_of(solution.problem, solution.fitted)), *(told(one.terms) for one in rivals)]
+    ways = [told(terms), *(told(one.terms) for one in rivals)]
     what = f"terms that the record cannot separate: {', or '.join(ways)}"
     do = "Record longer. Settings of filters take the larger drive of the bias: choose with --take"
     return (Remark("terms_alike", "warning", what, do=do),)
@@ -390,10 +417,9 @@ def _runs(solution: Solution, agree: bool, agreement: ChiSquare | None) -> tuple
     return (Remark("runs_disagree", "warning", what, do="Fit each record alone and see what differs"),)
 
 
-def _white_beyond(solution: Solution) -> tuple[Remark, ...]:
-    terms = terms_of(solution.problem, solution.fitted)
+def _white_beyond(solution: Solution, terms: Sequence[Term]) -> tuple[Remark, ...]:
+    markov = terms[-1] if isinstance(terms[-1], GaussMarkov) else None
     white = next((term.coefficient for term in terms if isinstance(term, RandomWalk)), 0.0)
-    markov = next((term for term in terms if isinstance(term, GaussMarkov)), None)
     interval = min(run.interval for run in solution.problem.runs)
     if markov is None or markov.correlation_time >= BRIEF * interval:
         return ()
@@ -428,15 +454,21 @@ class Solution:
     p: float  # Probability of intervals
 
     @cached_property
+    def first(self) -> dict[str, float]:
+        """Criterion of the best choice with each term."""
+        return {name: one.criterion for one in reversed(self.table) for name in one.terms}
+
+    @cached_property
     def rivals(self) -> tuple[Choice, ...]:
         """Choices that may be true in place of the one that was taken, best first: not with more terms, nor fewer."""
         chosen, *others = self.table
-        own = {*chosen.terms}
-
-        def near(one: Choice) -> bool:
-            return one.criterion - chosen.criterion < (NEARER if SUPPLE & ({*one.terms} - own) else PLAUSIBLE)
-
-        return tuple(one for one in others if near(one) and {*one.terms} - own and own - {*one.terms})
+        own, found = {*chosen.terms}, []
+        for one in others:
+            behind, terms = one.criterion - chosen.criterion, {*one.terms}
+            near = behind < PLAUSIBLE and behind < (NEARER if SUPPLE & (terms - own) else PLAUSIBLE)
+            if near and terms - own and own - terms:
+                found.append(one)
+        return tuple(found)
 
 
 def _free(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[str, ...]]:
@@ -453,35 +485,43 @@ def _free(stack: Stack, solutions: Sequence[Solution]) -> list[tuple[str, ...]]:
 
 def estimated(solution: Solution, p: float) -> tuple[TermEstimate, ...]:
     """Return the terms that have a size, with intervals of a probability."""
-    return _estimated(Stack((solution.problem,)), [solution], p)[0]
+    return _estimated(Stack((solution.problem,)), [solution], [p])[0][0]
 
 
-def _estimated(stack: Stack, solutions: Sequence[Solution], p: float) -> list[tuple[TermEstimate, ...]]:
-    """Return the same of solutions with the same terms."""
+def _estimated(
+    stack: Stack, solutions: Sequence[Solution], ps: Sequence[float]
+) -> list[list[tuple[TermEstimate, ...]]]:
+    """Return the same of solutions with the same terms: of each probability, those of each."""
     problem = solutions[0].problem
     ats: list[int] = np.flatnonzero(solutions[0].fitted.powers > 0.0).tolist()
     last = len(problem.names)
     wanted = [column for column, at in enumerate(ats) if at < len(LINEAR) or at == last]  # not a line
-    stretches = np.array([one.bread.stretch for one in solutions])[:, wanted]
-    fits = [one.fitted for one in solutions]
-    wide = wide_of_many(stack, fits, [ats[i] for i in wanted], _free(stack, solutions), stretches, p)
-    point = float(special.ndtri(0.5 * (1.0 + p)))
-    return [
-        _of_solution(one, p, ats, dict(zip(wanted, own, strict=True)), point)
-        for one, own in zip(solutions, wide, strict=True)
-    ]
+    covariance, naive = (np.array([getattr(one.bread, name) for one in solutions]) for name in ("covariance", "naive"))
+    variance = np.diagonal(covariance, axis1=1, axis2=2)
+    stretches = (variance / np.diagonal(naive, axis1=1, axis2=2))[:, wanted]
+    us, fits = np.sqrt(variance).tolist(), [one.fitted for one in solutions]
+    powers, free = np.array([one.powers for one in fits])[:, ats].tolist(), _free(stack, solutions)
+    found = []
+    for p in ps:
+        wide = wide_of_many(stack, fits, [ats[i] for i in wanted], free, stretches, p)
+        each = zip(solutions, powers, us, wide, strict=True)
+        found.append(
+            [_of_solution(one, p, ats, best, u, dict(zip(wanted, own, strict=True))) for one, best, u, own in each]
+        )
+    return found
 
 
 def _of_solution(
-    solution: Solution, p: float, ats: Sequence[int], wide: Mapping[int, Interval], point: float
-) -> tuple[TermEstimate, ...]:
-    problem, powers = solution.problem, solution.fitted.powers
-    u = solution.bread.u.tolist()
+    solution: Solution, p: float, ats: Sequence[int], powers: Sequence[float], u: Sequence[float],
+    wide: Mapping[int, tuple[float, float | None]],
+) -> tuple[TermEstimate, ...]:  # fmt: skip
+    problem, point = solution.problem, normal_point(p)
     found = []
-    for column, (at, interval) in enumerate(_intervals(solution, p, ats, wide)):
-        size = math.sqrt(powers[at])
-        half = 0.0 if interval.hi is None else 0.5 * (interval.hi - (interval.lo or 0.0)) / point
-        first = (size, max(0.5 * u[column] / size, half), interval)
+    for column, at in enumerate(ats):
+        lo, hi = _ends(solution, p, at, powers[column], u[column], wide.get(column))
+        size = math.sqrt(powers[column])
+        half = 0.0 if hi is None else 0.5 * (hi - (lo or 0.0)) / point
+        first = (size, max(0.5 * u[column] / size, half), Interval(lo, hi, p))
         if at == len(problem.names):
             time = time_at(problem, solution.fitted.position)
             between = interval_of(problem, solution.fitted, at + 1, solution.bread, p)
@@ -506,51 +546,38 @@ class EstimatedAt:
         return self.known[p] if p in self.known else estimated(self.solution, p)
 
 
-def with_intervals(fits: Sequence[NoiseFit], p: float) -> list[NoiseFit]:
-    """Return fits that know the terms with intervals of another probability, found together."""
-    found = list(fits)
-    ways = {i: own for i, own in enumerate(one.estimated_at for one in fits) if isinstance(own, EstimatedAt)}
-    places, solutions = [*ways], [one.solution for one in ways.values()]
-    for alike in stacks([one.problem for one in solutions]):
-        patterns: dict[tuple[bytes, tuple[str, ...]], list[int]] = {}
-        for j in alike:
-            patterns.setdefault((_pattern(solutions[j].fitted), solutions[j].candidates), []).append(j)
-        for at in patterns.values():
-            own = [solutions[j] for j in at]
-            for j, terms in zip(at, _estimated(Stack(tuple([one.problem for one in own])), own, p), strict=True):
-                way = ways[places[j]]
-                known = EstimatedAt(way.solution, {**way.known, p: terms})
-                found[places[j]] = replace(fits[places[j]], estimated_at=known)
-    return found
-
-
-def _intervals(
-    solution: Solution, p: float, ats: Sequence[int], wide: Mapping[int, Interval]
-) -> list[tuple[int, Interval]]:  # fmt: skip
-    """Return places of powers and intervals of sizes, with the terms free that were not chosen but may be there."""
-    problem, fitted, bread = solution.problem, solution.fitted, solution.bread
-    last = len(problem.names)
-    without = [{*one.terms} for one in solution.rivals]
-    found = []
-    for column, at in enumerate(ats):
-        own = interval_of(problem, fitted, at, bread, p)
+def _ends(
+    solution: Solution, p: float, at: int, power: float, u: float, more: tuple[float, float | None] | None
+) -> tuple[float | None, float | None]:
+    """Return the interval of the size at a place, also with the terms free that were not chosen but may be there."""
+    problem, fitted = solution.problem, solution.fitted
+    lo: float | None
+    hi: float | None
+    if u / power < NORMAL_BELOW:
+        lo, hi = normal_ends(power, u / power, p)
+    else:
+        own = interval_of(problem, fitted, at, solution.bread, p)
         lo, hi = own.lo, own.hi
-        if column in wide:
-            name, more = problem.names[at] if at < last else GAUSS_MARKOV, wide[column]
-            lo = min(lo or 0.0, more.lo or 0.0)
-            hi = None if hi is None or more.hi is None else max(hi, more.hi)
-            fewer = [terms for terms in without if name not in terms] if name not in FAST else []
-            if any(name in SUPPLE or not SUPPLE & terms - {*present(fitted)} for terms in fewer):
+    if more is not None:
+        lo = min(lo or 0.0, more[0])
+        hi = None if hi is None or more[1] is None else max(hi, more[1])
+        if solution.rivals:
+            name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
+            without = [{*one.terms} for one in solution.rivals if name not in one.terms and name not in FAST]
+            if any(name in SUPPLE or not SUPPLE & terms - {*present(fitted)} for terms in without):
                 lo = 0.0
-        found.append((at, Interval(_root(lo), _root(hi), p)))
-    return found
+    return _root(lo), _root(hi)
+
+
+@cache
+def _parameters(name: str, kind: Kind | None, unit: str) -> tuple[tuple[str, str], ...]:
+    """Return the field's word of each parameter of a term, and its unit."""
+    return tuple((quantity_name(name, word, kind), parameter_unit(name, word, unit)) for word in TERMS[name].parameters)
 
 
 def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
-    parameters = tuple(
-        Parameter(quantity_name(name, word, solution.kind), *value, parameter_unit(name, word, solution.unit))
-        for word, value in zip(TERMS[name].parameters, values, strict=True)
-    )
+    words = _parameters(name, solution.kind, solution.unit)
+    parameters = tuple([Parameter(word, *value, unit) for (word, unit), value in zip(words, values, strict=True)])
     chosen = solution.table[0]
     other = _rival(solution, name, False)
     if name == Sinusoid.name or other is None:
@@ -616,7 +643,7 @@ def _like_another(solution: Solution, name: str) -> TermEstimate:
     """Return a term that is no candidate: it looks like white noise, or like the filter."""
     code = "like_filter" if any(run.band is not None for run in solution.problem.runs) else "like_white"
     words, unit = _words(name, solution.kind, solution.unit)
-    return TermEstimate(name, "not_identified", (), words, code, unit=unit, record=solution.problem.length)
+    return TermEstimate.missing(name, words, code, (), None, None, unit, None, solution.problem.length, None)
 
 
 def _hidden(
@@ -625,8 +652,8 @@ def _hidden(
 ) -> TermEstimate:  # fmt: skip
     problem, chosen = solution.problem, solution.table[0]
     record = problem.length
-    added = next((choice for choice in solution.table if name in choice.terms), None)
-    worse = None if added is None else added.criterion - chosen.criterion
+    added = solution.first.get(name)
+    worse = None if added is None else added - chosen.criterion
     lost: tuple[str, ...] = ()
     if other is not None:
         lost = tuple(one for one in chosen.terms if one not in other.terms)
@@ -644,20 +671,20 @@ def _hidden(
         rival = missing.rival if beside_rival else None
         limit_at = time_at(problem, missing.position if rival is None else rival.position)
     words, unit = _words(name, solution.kind, solution.unit)
-    return TermEstimate(
-        name, "not_identified", (), words, code, lost, worse, _root(power), unit, needed, record, limit_at
-    )
+    return TermEstimate.missing(name, words, code, lost, worse, _root(power), unit, needed, record, limit_at)
 
 
 @cache
 def _words(name: str, kind: Kind | None, unit: str) -> tuple[tuple[str, ...], str]:
     """Return the field's words of the parameters of a term, and the unit of the first."""
-    words = TERMS[name].parameters
-    return tuple(quantity_name(name, word, kind) for word in words), parameter_unit(name, words[0], unit)
+    known = _parameters(name, kind, unit)
+    return tuple(word for word, _ in known), known[0][1]
 
 
 def _rival(solution: Solution, name: str, has: bool) -> Choice | None:
     """Return the best choice, with or without a term, that may be true in place of that taken; None where none may."""
+    if not solution.rivals:
+        return None
     nearly = PRICE if name in FAST else PLAUSIBLE
     worse = solution.table[0].criterion + nearly
     return next((one for one in solution.rivals if (name in one.terms) is has and one.criterion < worse), None)
@@ -667,16 +694,25 @@ def _root(power: float | None) -> float | None:
     return None if power is None else math.sqrt(power)
 
 
-def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate:
-    """Return all parameters with their covariance, as correlated as powers and the logarithm of a time are."""
-    known = [parameter for term in found for parameter in term.parameters if parameter.u > 0.0]
-    covariance = solution.bread.covariance
-    sizes = np.array([parameter.u for parameter in known]) / np.sqrt(covariance.diagonal())  # terms not chosen are free
-    names = [parameter.name for parameter in known]  # numbered where one appears more than once: several lines
+def estimates_of(solutions: Sequence[Solution], found: Sequence[tuple[TermEstimate, ...]]) -> list[Estimate]:
+    """Return all parameters of solutions with the same terms, as correlated as powers and the logarithm of a time."""
+    known = [[one for term in own for one in term.parameters if one.u > 0.0] for own in found]
+    values, us = ([[getattr(one, name) for one in own] for own in known] for name in ("value", "u"))
+    covariance = np.array([one.bread.covariance for one in solutions])
+    # terms not chosen are free
+    sizes = np.array(us) / np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    covariance *= sizes[:, :, None] * sizes[:, None]
+    return [
+        Estimate.of_own(
+            _keys(tuple([one.name for one in own])), value, tuple([one.unit for one in own]),
+            (Component("scatter of the noise itself", "A", spread),),
+        )
+        for own, value, spread in zip(known, np.array(values), covariance, strict=True)
+    ]  # fmt: skip
+
+
+@lru_cache(256)
+def _keys(names: tuple[str, ...]) -> tuple[Key, ...]:
+    """Return keys of names, numbered where one appears more than once: several lines."""
     powers = [names[: i + 1].count(name) if names.count(name) > 1 else 0 for i, name in enumerate(names)]
-    return Estimate.of_own(
-        tuple([Key(name, power=n) for name, n in zip(names, powers, strict=True)]),
-        np.array([parameter.value for parameter in known]),
-        tuple([parameter.unit for parameter in known]),
-        (Component("scatter of the noise itself", "A", covariance * np.outer(sizes, sizes)),),
-    )
+    return tuple([Key(name, power=n) for name, n in zip(names, powers, strict=True)])

@@ -358,8 +358,8 @@ def search_many(asked: Sequence[tuple[Spectrum, NDArray[np.bool_] | None]]) -> l
             cycles = np.frombuffer(stored)
             own = bands[at, 1:, : len(cycles)]
             searches = _searched(cycles, own[:, 0], own[:, 1], asked[places[0]][0].interval)
-            for j, one in zip(at, searches, strict=True):
-                found[places[j]] = one
+            for j, low_pass in zip(at, searches, strict=True):
+                found[places[j]] = low_pass
     return found
 
 

@@ -239,8 +239,7 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     best = time_at(problem, fitted.position) if timed else float(fitted.powers[at])
     relative = float(bread.u[column]) / (1.0 if timed else best)
     if relative < NORMAL_BELOW:
-        half = float(special.ndtri(0.5 * (1.0 + p))) * relative
-        return Interval(best * np.exp(-half), best * np.exp(half), p)
+        return Interval(*normal_ends(best, relative, p), p)
     names, within, furthest = present(fitted), nearby(problem, fitted), (-WIDEST, WIDEST)
     held, start = Held(problem, names, at, within), best
     if timed:
@@ -255,18 +254,31 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     return Interval(none if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
 
 
+@lru_cache(64)
+def normal_point(p: float) -> float:
+    """Return how many standard deviations a normal interval of a probability reaches."""
+    return float(special.ndtri(0.5 * (1.0 + p)))
+
+
+def normal_ends(best: float, relative: float, p: float) -> tuple[float, float]:
+    """Return the interval of a value whose logarithm is normal, with that standard uncertainty."""
+    half = normal_point(p) * relative
+    return best * math.exp(-half), best * math.exp(half)
+
+
 def wide_intervals(
     problem: Problem, fitted: Fitted, ats: Sequence[int], names: tuple[str, ...], stretches: Sequence[float], p: float
 ) -> list[Interval]:
     """Return intervals of powers with more terms free than were chosen; they hold what was estimated [unit^2]."""
-    return wide_of_many(Stack((problem,)), [fitted], ats, [names], np.array([stretches]), p)[0]
+    found = wide_of_many(Stack((problem,)), [fitted], ats, [names], np.array([stretches]), p)[0]
+    return [Interval(lo, hi, p) for lo, hi in found]
 
 
 def wide_of_many(
     stack: Stack, fits: Sequence[Fitted], ats: Sequence[int], names: Sequence[tuple[str, ...]], stretches: Array,
     p: float,
-) -> list[list[Interval]]:  # fmt: skip
-    """Return the same of fits of the same terms; stretches of shape (n, number of powers)."""
+) -> list[list[tuple[float, float | None]]]:  # fmt: skip
+    """Return the ends of the same of fits of the same terms; stretches of shape (n, number of powers)."""
     target, found = float(special.chdtri(1.0, 1.0 - p)), np.empty((len(stack), len(ats), 2))
     at, lines = np.array(ats, np.int64), len(stack.problems[0].lines)
     free = np.array([terms_wanted(one, lines) for one in names])
@@ -284,8 +296,7 @@ def wide_of_many(
 
     complete(stack, fill, 2 * len(ats), powers, fitted[:, 0])
     return [
-        [Interval(0.0 if math.isnan(lo) else lo, None if math.isnan(hi) else hi, p) for lo, hi in own]
-        for own in found.tolist()
+        [(0.0 if math.isnan(lo) else lo, None if math.isnan(hi) else hi) for lo, hi in own] for own in found.tolist()
     ]
 
 

@@ -66,6 +66,19 @@ class TermEstimate:
     record: float = 0.0  # Length of the present record [s]
     limit_at: float | None = None  # Correlation time that the limit of Gauss-Markov noise holds for [s]
 
+    @classmethod
+    def missing(
+        cls, name: str, words: tuple[str, ...], code: str, others: tuple[str, ...], worse: float | None,
+        upper_limit: float | None, unit: str, record_needed: float | None, record: float, limit_at: float | None,
+    ) -> TermEstimate:  # fmt: skip
+        """Return a term that is not identified; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(
+            name=name, status="not_identified", parameters=(), words=words, code=code, others=others, worse=worse,
+            upper_limit=upper_limit, unit=unit, record_needed=record_needed, record=record, limit_at=limit_at,
+        )  # fmt: skip
+        return found
+
     @property
     def reason(self) -> str:
         """What `code` means, in words; empty where there is nothing to say."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array, Numbers
+from ....core.results import changed
 from ....core.show.rounding import number
 from ....core.units import factor
 from ..expected import variance_of_phase
@@ -351,7 +352,7 @@ def inside(run: Run, band: Band) -> Run:
         If fewer than four are there.
     """
     if not band.found:
-        return replace(run, unseen=band)
+        return changed(run, unseen=band)
     at = run.m >= band.first
     if np.count_nonzero(at) < LEAST_POINTS:
         corner = number(band.corner / run.interval, 3)

@@ -13,7 +13,7 @@ from ....core.estimate import Array
 from .._kernels import Indices
 from .._kernels_each import fit_each, know_each
 from ..terms import GaussMarkov, Sinusoid, Term
-from .likelihood import RULES, SPACINGS, Fitted, Sandwich, terms_wanted, time_at
+from .likelihood import RULES, SPACINGS, Fitted, Sandwich, column_at, terms_wanted, time_at
 from .problem import LINEAR, Problem
 from .spread import Arrays, Spread, Triple, spread_of, spread_with, spreads_beside
 
@@ -95,6 +95,15 @@ def estimate_each(stack: Stack, wanted: Sequence[Sequence[str]], looks: int = 2)
     powers, fitted = np.empty(some.shape), np.empty((len(some), 2))
     fit_each(*stack.shared, some, SPACINGS[: 1 + looks], powers, fitted)
     return [Fitted(own, *one) for own, one in zip(powers, fitted.tolist(), strict=True)]
+
+
+def means_of(stack: Stack, fits: Sequence[Fitted]) -> Array:
+    """Return the expected Allan variances of fits with the same terms, shape (n, k), as ``likelihood.mean_of``."""
+    powers = np.array([one.powers for one in fits])
+    found: Array = (powers[:, None, :-1] * stack.problems[0].columns).sum(axis=2)
+    if powers[0, -1] > 0.0:
+        found += powers[:, -1:] * [column_at(stack.problems[0], one.position) for one in fits]
+    return found
 
 
 @dataclass(frozen=True, eq=False)
