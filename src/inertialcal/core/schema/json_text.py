@@ -2,8 +2,8 @@
 
 ``json.dumps`` leaves its compiled encoder where it indents, and much of its time goes into digits. For files with
 many numbers and a checksum over their canonical form, `json_texts` makes both in one pass, byte for byte the same. What
-stands in several places is written once, and of the arrays of a frame the numbers alone that are not zero: most of a
-model file is covariances, most of these zeros, and in the same places in many units.
+stands in several places is written once, and numbers of a frame that are zero in all units are part of its text: most
+of a model file is covariances, and most of these zeros.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence, Set
 from functools import lru_cache
-from itertools import islice
 from json.encoder import encode_basestring
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ..estimate import Array
 
 
@@ -113,7 +115,14 @@ class _Known:
         self.texts: dict[tuple[int, str], Texts] = {}
         # Of frames that hold others: text, and in place of each hole for these its value and its line
         self.pieces: dict[tuple[int, str], tuple[list[Piece], list[Piece]]] = {}
+        self.plain: set[int] = set()  # Lists and dicts without frames, by identity
         self.encoded = _Encoded()
+
+    def holds_frames(self, given: object) -> bool:
+        """Whether a frame is in a value that was looked through for them, or is that value."""
+        if type(given) is Filled:
+            return True
+        return (type(given) is dict or type(given) in LISTS) and bool(given) and id(given) not in self.plain
 
 
 def json_text(content: object) -> str:
@@ -153,9 +162,16 @@ def json_texts_many(contents: Sequence[object], last: Callable[[str], str] | Non
         Text that stands behind the last value of a content as it is laid out, by its canonical form.
     """
     known = _Known()
-    levels = [list(_frames_in(contents, "\n"))]
+    levels: list[list[Place]] = [[]]
+    for one in contents:
+        _find_frames(one, "\n", known, levels[0])
     while levels[-1]:
-        levels.append([inner for one, line in levels[-1] for inner in _frames_of(one, line)])
+        inner: list[Place] = []
+        for filled, line in levels[-1]:
+            lines = _lines_of(filled.frame)
+            for name, part in filled.values.items():
+                _find_frames(part, line + lines[name], known, inner)
+        levels.append(inner)
     for level in reversed(levels):
         _write_frames(level, known)
     found = []
@@ -179,7 +195,7 @@ def _gather(given: object, line: str, known: _Known, form: int, pieces: list[str
                 pieces.append(piece)
             else:
                 _gather(piece[0], piece[1], known, form, pieces)
-    elif place not in known.texts and _holds_frames(given):
+    elif place not in known.texts and known.holds_frames(given):
         inner = line + " "
         start, between, stop, colon = (inner, "," + inner, line, ": ") if form == 0 else ("", ",", "", ":")
         if isinstance(given, dict):
@@ -197,34 +213,23 @@ def _gather(given: object, line: str, known: _Known, form: int, pieces: list[str
         pieces.append(_texts(given, line, known)[form])
 
 
-def _is_list_of_more(given: object) -> TypeGuard[Sequence[object]]:
-    """Whether it is a list that may hold frames."""
-    return type(given) in LISTS and bool(given) and type(given[0]) not in PLAIN  # type: ignore[index]
-
-
-def _holds_frames(given: object) -> bool:
-    return next(_frames_in([given], ""), None) is not None
-
-
 Place = tuple["Filled", str]  # A frame, and the line that it stands in
 
 
-def _frames_in(parts: Sequence[object], line: str) -> Iterator[Place]:
-    """Yield the filled frames in values that stand in one line, but those within these."""
-    for part in parts:
-        if type(part) is Filled:
-            yield part, line
-        elif type(part) is dict:
-            yield from _frames_in([*part.values()], line + " ")
-        elif _is_list_of_more(part):
-            yield from _frames_in(part, line + " ")
-
-
-def _frames_of(one: Filled, line: str) -> Iterator[Place]:
-    lines = _lines_of(one.frame)
-    for name, part in one.values.items():
-        if type(part) not in PLAIN and not _is_array(part):
-            yield from _frames_in([part], line + lines[name])
+def _find_frames(part: object, line: str, known: _Known, found: list[Place]) -> bool:
+    """Add the filled frames in a value, but those within these; tell whether there are any."""
+    if type(part) is Filled:
+        found.append((part, line))
+        return True
+    if not known.holds_frames(part):
+        return False
+    inner, before = line + " ", len(found)
+    for one in part.values() if isinstance(part, dict) else part:  # type: ignore[attr-defined]
+        if type(one) not in PLAIN:
+            _find_frames(one, inner, known, found)
+    if len(found) == before:
+        known.plain.add(id(part))
+    return len(found) > before
 
 
 @lru_cache(maxsize=256)
@@ -296,7 +301,7 @@ MANY = 1000  # numbers that are worth a call of Arrow
 
 
 def _write_frames(every: Sequence[Place], known: _Known) -> None:
-    """Write filled frames: numbers that are not zero into the text of all that have zeros in the same places."""
+    """Write filled frames; numbers that are zero in all that are alike stand in the text of the frame."""
     alike: dict[tuple[Frame, str, tuple[Shape, ...]], list[Filled]] = {}
     for one, line in every:
         shapes = tuple([part.shape if _is_array(part) else () if type(part) is float else None
@@ -304,11 +309,13 @@ def _write_frames(every: Sequence[Place], known: _Known) -> None:
         alike.setdefault((one.frame, line, shapes), []).append(one)
     groups = [(frame, line, shapes, filled, *_numbers_of(frame, shapes, filled))
               for (frame, line, shapes), filled in alike.items()]  # fmt: skip
-    texts = iter(number_texts([numbers for *_, numbers in groups]))
-    for frame, line, shapes, filled, bits, counts, _ in groups:
-        for one, (zeros, nulls), count in zip(filled, bits, counts, strict=True):
-            _write_frame(one, line, shapes, _frame_pieces(frame, line, tuple(one.values), shapes, zeros, nulls),
-                         [*islice(texts, count)], known)  # fmt: skip
+    texts, start = number_texts([numbers for *_, numbers in groups]), 0
+    for frame, line, shapes, filled, changing, every_text, there, numbers in groups:
+        fixed = _frame_pieces(frame, line, tuple(filled[0].values), shapes, changing)
+        every_text[there] = texts[start : start + len(numbers)]
+        start += len(numbers)
+        for one, own in zip(filled, every_text.tolist(), strict=True):
+            _write_frame(one, line, shapes, fixed, own, known)
 
 
 def _write_frame(
@@ -319,7 +326,7 @@ def _write_frame(
     for (name, part), shape in zip(one.values.items(), shapes, strict=True):
         if shape is None:
             inner = line + lines[name]
-            if type(part) not in PLAIN and _holds_frames(part):
+            if known.holds_frames(part):
                 deep = True
                 said.append(((part, inner), (part, inner)))
             else:
@@ -349,28 +356,30 @@ def _joined(pieces: Sequence[Piece]) -> list[Piece]:
 
 def _numbers_of(
     frame: Frame, shapes: tuple[Shape, ...], filled: Sequence[Filled]
-) -> tuple[list[tuple[bytes, bytes]], list[int], Array]:
-    """Return where the numbers of each frame are zero, and null, a bit each; how many others it has; all of these."""
+) -> tuple[bytes, NDArray[np.object_], NDArray[np.bool_], Array]:
+    """Return which numbers of a frame change, a bit each; text of these, (frames, k); which are none yet; these."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
     own = [(name, shape) for name, shape in zip(filled[0].values, shapes, strict=True) if shape is not None]
     if not own:
-        return [(b"", b"")] * len(filled), [0] * len(filled), np.zeros(0)
+        none = len(filled), 0
+        return b"", np.zeros(none, dtype=object), np.zeros(none, dtype=bool), np.zeros(0)
     every = np.concatenate([one.values[name] for one in filled for name, _ in own], axis=None)
     every = every.reshape(len(filled), -1)
-    there = every.view("i8") != 0  # -0.0 is no zero
-    zeros = [row.tobytes() for row in np.packbits(there, axis=1)]
-    nulls = [b""] * len(filled)
+    filled_in = every.view("i8") != 0  # -0.0 is no zero
+    changing = filled_in.any(axis=0)
+    every, there = every[:, changing], filled_in[:, changing]
+    texts = np.full(there.shape, "0.0", dtype=object)
     if frame.endless:
         ends = np.repeat([name in frame.endless and shape != () for name, shape in own],
                          [math.prod(shape) for _, shape in own])  # fmt: skip
-        null = (every == math.inf) & ends
-        nulls = [row.tobytes() for row in np.packbits(null, axis=1)]
+        null = (every == math.inf) & ends[changing]
+        texts[null] = NULL[0]
         there &= ~null
     found = every[there]
     if not np.isfinite(found).all():
         raise ValueError("JSON has no NaN and no infinity")
-    return [*zip(zeros, nulls, strict=True)], there.sum(axis=1).tolist(), found
+    return np.packbits(changing).tobytes(), texts, there, found
 
 
 def number_texts(parts: Sequence[Array]) -> list[str]:
@@ -402,30 +411,43 @@ def number_texts(parts: Sequence[Array]) -> list[str]:
 
 @lru_cache(maxsize=1024)
 def _frame_pieces(
-    frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...], zeros: bytes, nulls: bytes
+    frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...], changing: bytes
 ) -> Sequence[Fixed]:
     """Return a frame in both forms, in pieces between its holes, and which text, or number, comes into each gap."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
-    sizes = [0 if shape is None else math.prod(shape) for shape in shapes]
-    there, ended = (
-        np.unpackbits(np.frombuffer(bits, dtype=np.uint8)).tolist() if bits else [0] * sum(sizes)
-        for bits in (zeros, nulls)
-    )  # fmt: skip
+    texts = sum(shape is None for shape in shapes)
+    there = np.unpackbits(np.frombuffer(changing, dtype=np.uint8)).tolist()
+    place, count = [*range(texts)], texts  # -1: a zero
+    for one in there:
+        place.append(count if one else -1)
+        count += one
+    found: list[Fixed] = []
+    for between, order in _every_piece(frame, line, names, shapes):
+        pieces, holes, start = list[str](), list[int](), 0
+        for i, at in enumerate(order):
+            if place[at] >= 0:
+                pieces.append("0.0".join(between[start : i + 1]))
+                holes.append(place[at])
+                start = i + 1
+        found.append(([*pieces, "0.0".join(between[start:])], holes))
+    return found
+
+
+@lru_cache(maxsize=128)
+def _every_piece(frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...]) -> Sequence[Fixed]:
+    """Return the same where all numbers change."""
+    import numpy as np  # noqa: PLC0415 - see `_is_array`
+
     values: dict[str, object] = {}
-    texts, count, start = 0, sum(shape is None for shape in shapes), 0
-    for name, shape, size in zip(names, shapes, sizes, strict=True):
+    texts, count = 0, sum(shape is None for shape in shapes)
+    for name, shape in zip(names, shapes, strict=True):
         if shape is None:
             values[name], texts = Hole(str(texts)), texts + 1
             continue
-        cells = np.zeros(size, dtype=object)
-        for k in range(size):
-            cells[k] = 0.0
-            if ended[start + k]:
-                cells[k] = None
-            elif there[start + k]:
-                cells[k], count = Hole(str(count)), count + 1
-        start += size
+        cells = np.empty(math.prod(shape), dtype=object)
+        cells[:] = [Hole(str(k)) for k in range(count, count + len(cells))]
+        count += len(cells)
         values[name] = cells.reshape(shape).tolist()
     laid, canonical = _texts(_fill(frame.content, values), line, _Known())
     return [(_MARK.split(text)[::2], [*map(int, _MARK.findall(text))]) for text in (laid, canonical)]
