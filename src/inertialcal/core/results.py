@@ -117,13 +117,13 @@ class Row:
 
     @classmethod
     def of_own(
-        cls, key: Key, value: float, u: float, unit: str, dof: float | None, interval: Interval, reason: Reason,
-        method: Method = Method.RESULT,
+        cls, key: Key, value: float, u: float | None, unit: str, dof: float | None, interval: Interval, reason: Reason,
+        method: Method = Method.RESULT, status: Status = "estimated",
     ) -> Row:  # fmt: skip
         """Return the row of an estimated figure that is known to be finite: nothing is checked again."""
         found = object.__new__(cls)
         found.__dict__.update(
-            key=key, value=value, u=u, unit=unit, dof=dof, interval=interval, status="estimated", reason=reason,
+            key=key, value=value, u=u, unit=unit, dof=dof, interval=interval, status=status, reason=reason,
             test="", condition="", method=method, member=None, shared={}, curvature={},
         )  # fmt: skip
         return found

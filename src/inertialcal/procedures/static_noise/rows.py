@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, get_args
 
@@ -18,8 +18,8 @@ from scipy import special
 
 from ...core.estimate import Component, Estimate
 from ...core.influence import Standards
-from ...core.key import At, Key, Kind, Member, Reason
-from ...core.results import Interval, Row, not_estimated
+from ...core.key import NO_REASON, At, Key, Kind, Member, Reason
+from ...core.results import Interval, Row, Status, not_estimated
 from ...core.units import FILE_UNIT, normalise
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration, rows_of
 from ...sensors.noise.terms import (
@@ -85,36 +85,52 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason, b
 
     Slow terms are not estimated where ``slow`` says that something feigns them.
     """
-    reason = Reason("in_doubt", f"in doubt: {doubt}") if doubt else Reason()
-    units = quantity_units(result.plan.kind, result.plan.unit)
+    reason = Reason("in_doubt", f"in doubt: {doubt}") if doubt else NO_REASON
+    units, standards = quantity_units(result.plan.kind, result.plan.unit), result.plan.standards
+    wide = bool(SOURCES.keys() & standards.keys())
     for term in fit.found:
         if term.name == Sinusoid.name:
             continue
         if slow and term.name not in FAST:
             words = term.words or tuple(one.name for one in term.parameters)
-            yield from (not_estimated(Key(word, axis), units[word], slow) for word in words)
+            yield from (not_estimated(key_of(word, axis), units[word], slow) for word in words)
             continue
         for one in term.parameters:
-            inside = Reason("in_band", band) if band and term.name == RandomWalk.name else Reason()
+            inside = Reason("in_band", band) if band and term.name == RandomWalk.name else NO_REASON
             said = reason or inside or Reason("limits", term.reason)
-            row = Row(Key(one.name, axis), one.value, one.u, units[one.name], None, one.interval, reason=said)
-            yield widened(row, result.plan.standards)
+            row = _row(key_of(one.name, axis), one.value, one.u, units[one.name], one.interval, "estimated", said)
+            yield widened(row, standards) if wide else row
         if term.status != "estimated":
-            yield from _missing(result, term, axis, units)
+            for row in _missing(term, axis, units):
+                yield widened(row, standards) if wide else row
 
 
-def _missing(result: Result, term: TermEstimate, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
+@lru_cache(256)
+def key_of(word: str, axis: str) -> Key:
+    """Return the key of a quantity of an axis."""
+    return Key(word, axis)
+
+
+def _row(
+    key: Key, value: float, u: float | None, unit: str, interval: Interval, status: Status, reason: Reason
+) -> Row:  # fmt: skip
+    """Return a row; of finite figures nothing is checked again."""
+    if math.isfinite(value) and (u is None or math.isfinite(u)):
+        return Row.of_own(key, value, u, unit, None, interval, reason, status=status)
+    return Row(key, value, u, unit, None, interval, status, reason)
+
+
+def _missing(term: TermEstimate, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
     """Yield the upper limit of a term that was not found, with the record that would show it, or that there is none."""
     without, limit, others = term.reason, term.upper_limit, term.words
     if limit is not None:
         word, others = term.words[0], term.words[1:]
-        interval, needed, said = Interval(0.0, limit, 0.95), term.record_needed, without
+        interval, needed, said = Interval.of_own(0.0, limit, 0.95), term.record_needed, without
         if needed is not None and needed > term.record:
             said = f"{without}; {duration(needed)} would show it at this limit"
-        row = Row(Key(word, axis), limit, None, units[word], None, interval, "upper_limit", Reason("not_found", said))
-        yield widened(row, result.plan.standards)
+        yield _row(key_of(word, axis), limit, None, units[word], interval, "upper_limit", Reason("not_found", said))
     for word in others:
-        yield not_estimated(Key(word, axis), units[word], Reason("not_found", without))
+        yield not_estimated(key_of(word, axis), units[word], Reason("not_found", without))
 
 
 def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterator[Row]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 BEST = 5  # choices of terms that are shown
+LENGTHS = ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 REASONS = {
     "too_short": "record too short",
     "like_another": "cannot be separated from {others}",
@@ -84,7 +85,8 @@ class TermEstimate:
         """What `code` means, in words; empty where there is nothing to say."""
         if self.status == "estimated" and self.code:
             return f"{', '.join(self.others)} would fit nearly as well"
-        return REASONS.get(self.code, "").format(others=", ".join(self.others))
+        said = REASONS.get(self.code, "")
+        return said.format(others=", ".join(self.others)) if self.code == "like_another" else said
 
 
 @dataclass(frozen=True)
@@ -253,6 +255,9 @@ def _missing(missing: list[TermEstimate], kind: Kind | None) -> Table:
 
 def duration(seconds: float) -> str:
     """Return a length of time in words: ``"2.5 h"``."""
-    units = ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
-    size, word = next((one for one in units if seconds >= 2.0 * one[0]), units[-1])
+    size, word = LENGTHS[-1]
+    for own in LENGTHS:
+        if seconds >= 2.0 * own[0]:
+            size, word = own
+            break
     return f"{seconds / size:.2g} {word}" if seconds < 99.5 * size else f"{seconds / size:.0f} {word}"
