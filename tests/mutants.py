@@ -1676,8 +1676,8 @@ MUTANTS = (
     ),
     Mutant(
         "filtered.py",
-        "(density * (1.0 - self.share)) @ windows",
-        "(density * (1.0 + self.share)) @ windows",
+        "(windows(m) * (1.0 - band.share)).T",
+        "(windows(m) * (1.0 + band.share)).T",
         "test_filtered test_band",
     ),
     Mutant(

@@ -125,16 +125,19 @@ class Band:
         if len(wander) > 1:
             return np.concatenate([self.lost([one], m) for one in phases])
         found = sizes @ self._lost_of_units(tuple(m.tolist()), wander.pop())
-        if any(one.exponentials for one in phases):
-            there = [i for i, one in enumerate(phases) if one.exponentials]
-            density = np.array([density_at(Phase(exponentials=phases[i].exponentials)) for i in there])
-            found[there] += (density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T
+        for i, one in enumerate(phases):
+            if one.exponentials:
+                found[i] += self.lost_of(exponential_density(one.exponentials), m)
         return np.asarray(found)
+
+    def lost_of(self, density: Array, m: Array) -> Array:
+        """Return what the filter takes of the Allan variance of noise with a density at `CYCLES`, shape (k,)."""
+        return np.asarray(density @ _taken(self, tuple(m.tolist())))
 
     def _lost_of_units(self, m: tuple[float, ...], duty: float) -> Array:
         """Return what the filter takes of point, linear, cubic and flicker noise of size 1, shape (4, k)."""
         if (m, duty) not in self._known:
-            self._known[m, duty] = (unit_densities(duty) * (1.0 - self.share)) @ windows(m).T
+            self._known[m, duty] = unit_densities(duty) @ _taken(self, m)
         return self._known[m, duty]
 
     def slopes(self, phases: Sequence[Phase], m: Array) -> Array:
@@ -143,6 +146,12 @@ class Band:
         slopes = np.where(self.end < CYCLES, [[1.0], [0.0]], [np.zeros(GRID), part / (1.0 + 0.5 * self.curve * part)])
         weights = windows(tuple(m.tolist()))
         return np.array([weights @ (slopes * density_at(one) * self.share).T for one in phases])
+
+
+@lru_cache(maxsize=32)  # records share mild bands
+def _taken(band: Band, m: tuple[float, ...]) -> Array:
+    """Return what a filter takes of Allan variances for a density of 1 at each of `CYCLES`, shape (GRID, k)."""
+    return np.ascontiguousarray((windows(m) * (1.0 - band.share)).T)
 
 
 @lru_cache(maxsize=16)
@@ -157,6 +166,11 @@ def density_at(phase: Phase) -> Array:
     """Return the density of samples at `CYCLES`, shape (GRID,) [unit^2]."""
     found = density_of_steps(phase, STEPS)
     return found + phase.flicker * unit_flicker(phase.duty) if phase.flicker else found
+
+
+def exponential_density(exponentials: tuple[tuple[float, float], ...]) -> Array:
+    """Return the density of samples of Gauss-Markov noise at `CYCLES`, shape (GRID,) [unit^2]."""
+    return density_at(Phase(exponentials=exponentials))
 
 
 @lru_cache(maxsize=8)

@@ -125,9 +125,13 @@ def spreads_beside(runs: Sequence[Run], terms: tuple[Term, ...], times: Array) -
                 noises, sizes[some], which, brief[some, :each], first.m, first.n, first.inflation
             )
     parts = np.zeros((len(runs), q, k, 3))
-    for i, run in enumerate(runs):
+    alike: dict[tuple[int, int], Array] = {}  # several have the same time, or the same band
+    for i, (run, at) in enumerate(zip(runs, of.tolist(), strict=True)):
         if run.unseen is not None:
-            parts[i, :, :, 0] = run.unseen.lost((*phases, markov[of[i]]), run.m)
+            key = id(run.unseen), at
+            if key not in alike:
+                alike[key] = run.unseen.lost((*phases, markov[at]), run.m)
+            parts[i, :, :, 0] = alike[key]
     spreads = values[of] if len(own) > 1 else values, parts, np.zeros((1, 1, 2, 2))
     return np.array([row, column]), np.zeros((2, k), np.int64), spreads
 
