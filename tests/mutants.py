@@ -713,6 +713,12 @@ MUTANTS = (
     ),
     Mutant(
         "_kernels_levels.py",
+        "((e * e + f * f) + (g * g + h * h))) / 7.0, unequal",
+        "((e * e + f * f) + (g * g + h * h))) / 8.0, unequal",
+        "test_kernels_levels",
+    ),
+    Mutant(
+        "_kernels_levels.py",
         "jumps[i] = share * abs(later[i] - sums[i])",
         "jumps[i] = share * abs(later[i] + sums[i])",
         "test_kernels_levels",

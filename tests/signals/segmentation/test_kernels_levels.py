@@ -169,14 +169,15 @@ def test_loud_windows_longer_than_a_batch(w: int) -> None:
     assert np.count_nonzero(hot != (variance > limit)) <= np.count_nonzero(np.abs(variance - limit) < 1e-12)
 
 
-def test_blocks(run: Any) -> None:
+@pytest.mark.parametrize("size", [5, 8])
+def test_blocks(run: Any, size: int) -> None:
     y = np.round(4.0 * noise(83)) / 4.0
     variance, different = np.empty(10), np.empty(10, dtype=np.int64)
-    assert run.fill_blocks(y, 8, variance, different) == 0.25
-    blocks = y[:80].reshape(10, 8)
+    assert run.fill_blocks(y, size, variance, different) == 0.25
+    blocks = y[: 10 * size].reshape(10, size)
     assert variance == pytest.approx(blocks.var(axis=1, ddof=1))
     assert different.tolist() == np.count_nonzero(np.diff(blocks, axis=1), axis=1).tolist()
-    assert run.fill_blocks(np.ones(16), 8, variance[:2], different[:2]) == 0.0
+    assert run.fill_blocks(np.ones(16), size, variance[:2], different[:2]) == 0.0
 
 
 MOVES = [((), (10, 10)), ((25,), (40, 10)), ((-5, -27), (10, 40)), ((4,), (20, 10)), ((45,), (50, 10))]
@@ -198,6 +199,17 @@ def test_the_variance_of_quiet_blocks_is_the_mean_of_those_below_its_limit(run: 
     assert run._quiet_variance(variances, 0.25, 0.8, 2.0, 5) == pytest.approx(pooled)
 
 
+@pytest.mark.parametrize("shape", ["noise", "alike", "rising", "waves"])
+@pytest.mark.parametrize("rank", [0, 1, 380, 500, 2499, 2500])
+def test_a_rank_and_the_next(run: Any, shape: str, rank: int) -> None:
+    x = noise(2501)
+    x = {"noise": x, "alike": np.round(x), "rising": np.sort(x), "waves": np.sin(2.0 * np.pi * np.arange(2501) / 19.0)}[
+        shape
+    ]
+    ordered = np.sort(x)
+    assert run._of_rank(x, rank) == (ordered[rank], ordered[min(rank + 1, 2500)])
+
+
 @pytest.mark.parametrize(("disturbed", "still"), [("", True), ("spike", False), ("step", False), ("missing", False)])
 def test_noise_alone_is_still(run: Any, disturbed: str, still: bool) -> None:
     x = noise(4000)
@@ -208,7 +220,8 @@ def test_noise_alone_is_still(run: Any, disturbed: str, still: bool) -> None:
 
 
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_quiet_variance", "_square", "_sums",
+    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_of_eight", "_of_rank",
+                             "_quiet_variance", "_square", "_sums",
                              "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far",
                              "fill_jumps", "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "is_still",
                              "margin", "sum_of"]  # fmt: skip

@@ -19,6 +19,8 @@ Indices = NDArray[np.int64]
 
 SCANNED = 128  # places looked at together: few hold any
 LOUD = 4096  # samples that windows move over at a time
+EIGHT = 8  # samples of a block whose loops are written out
+DRAWN, NEAR_RANK = 128, 14  # numbers that tell about where a rank lies, and how far off in them it may lie
 ROUNDED = 1.0 + 1e-9  # more than sums may differ by rounding
 
 
@@ -305,6 +307,17 @@ def fill_sums(x: Array, w: int, one: Array, other: Array, out: Array) -> None:
 
 
 @compiled
+def _of_eight(
+    a: float, b: float, c: float, d: float, e: float, f: float, g: float, h: float
+) -> tuple[float, int]:  # fmt: skip
+    """Return the variance of eight numbers, and how many differ from the one before: no sum waits for the others."""
+    unequal = int(b != a) + int(c != b) + int(d != c) + int(e != d) + int(f != e) + int(g != f) + int(h != g)
+    level = 0.125 * (((a + b) + (c + d)) + ((e + f) + (g + h)))
+    a, b, c, d, e, f, g, h = a - level, b - level, c - level, d - level, e - level, f - level, g - level, h - level
+    return (((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))) / 7.0, unequal
+
+
+@compiled
 def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
     """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
     step = np.inf
@@ -321,6 +334,9 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
                     step = min(step, difference)
     for block in range(len(variance)):
         x = y[block * size : (block + 1) * size]
+        if size == EIGHT:
+            variance[block], different[block] = _of_eight(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
+            continue
         level, squares, unequal = 0.0, 0.0, 0
         for i in range(size):
             level += x[i]
@@ -334,18 +350,36 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
 
 
 @compiled
+def _of_rank(x: Array, rank: int) -> tuple[float, float]:
+    """Return the number of a rank, from 0 on, and the next; of many those alone are put in order that may be these."""
+    n, found = len(x), x
+    if n >= 4 * DRAWN:
+        drawn = np.sort(x[:: n // DRAWN].copy())
+        at, room, below, count = rank * len(drawn) // n, np.empty(n), 0, 0
+        lowest = drawn[at - NEAR_RANK] if at >= NEAR_RANK else -np.inf
+        highest = drawn[at + NEAR_RANK] if at + NEAR_RANK < len(drawn) else np.inf
+        for i in range(n):
+            room[count] = x[i]
+            below += x[i] < lowest
+            count += (x[i] >= lowest) & (x[i] <= highest)
+        if below <= rank < below + count - 1:
+            found, rank = room[:count], rank - below
+    numbers = np.partition(found, rank)
+    return numbers[rank], numbers[rank + 1 :].min() if rank + 1 < len(numbers) else numbers[rank]
+
+
+@compiled
 def _quiet_variance(variance: Array, low: float, usual: float, limit: float, rounds: int) -> float:
     """Return the mean variance of the quiet blocks, as ``noise_scale`` has it."""
-    rank = int(low * (len(variance) - 1))
-    numbers = np.partition(variance, rank)
-    after = numbers[rank + 1 :].min() if rank + 1 < len(numbers) else numbers[rank]
-    pooled, many = (numbers[rank] + (low * (len(variance) - 1) - rank) * (after - numbers[rank])) / usual, 0
+    rank, quiet = int(low * (len(variance) - 1)), np.empty(len(variance))
+    here, after = _of_rank(variance, rank)
+    pooled, many = (here + (low * (len(variance) - 1) - rank) * (after - here)) / usual, 0
     for _ in range(rounds):
-        now, total = 0, 0.0
-        for value in variance:
-            if value <= limit * pooled:
-                now += 1
-                total += value
+        now, most = 0, limit * pooled
+        for i in range(len(variance)):
+            now += variance[i] <= most
+            quiet[i] = variance[i] if variance[i] <= most else 0.0
+        total = sum_of(quiet)
         if now in (0, many):
             break
         many, pooled = now, total / now
