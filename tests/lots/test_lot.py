@@ -240,7 +240,8 @@ def test_folders_that_are_not_this_lot_are_refused(tmp_path: Path) -> None:
 
 def test_a_part_holds_a_fixed_number_of_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(publish, "PART", 5)
-    monkeypatch.setattr(publish, "GROUP", 2)  # what is in memory at a time
+    monkeypatch.setattr(publish, "GROUP", 2)
+    monkeypatch.setattr(publish, "MANY", 1)  # figures: what is in memory at a time
     ic.lot(folder_lot(tmp_path / "lot", 12), tmp_path / "out", workers=0)
     content = json.loads((tmp_path / "out" / "lot.json").read_text(encoding="utf-8"))
     assert [one["units"] for one in content["parts"]] == [5, 5, 2]

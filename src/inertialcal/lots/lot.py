@@ -29,7 +29,7 @@ from .block import Block, Given, Job, files_of, log_name, unit_key
 from .ledger import FILE, Ledger, Noted
 from .lot_file import Lot, SharedFile, load_lot
 from .publish import publish_lot
-from .stores import Place, Shared
+from .stores import COLUMN, Place, Shared
 from .workers import Here, Processes, Workers, conduct
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .study import Study
 
 MOST, SHARES = 50, 8  # units that are worked on together; blocks that a small lot is parted in
+SMALL, LIGHT = 200, 1_000_000  # the same of units with little to read: so many bytes of recordings together at most
 NEVER_KEPT = frozenset({"unreachable", "worker_killed"})  # reasons that say nothing of the recordings: tried again
 SECOND = 1.0  # between two lines of progress
 FEW = 10  # units in quarantine that are shown
@@ -335,10 +336,26 @@ class _Lot:
         count = cores() if workers is None else workers
         return Processes(min(count, -(-len(self.given) // self.block))) if count else Here()
 
-    @property
+    @cached_property
     def block(self) -> int:
-        """Units that are worked on together: by their number alone, so that figures are the same to the last bit."""
-        return max(1, min(MOST, len(self.given) // SHARES))
+        """Units that are worked on together; no figure depends on it. What few bytes tell is read fastest by many."""
+        most = min(SMALL, max(MOST, int(LIGHT / (self._bytes_of_unit() or LIGHT))))
+        return max(1, min(most, len(self.given) // SHARES))
+
+    def _bytes_of_unit(self) -> float:
+        """Return how large the recordings of a unit are, as they lie: a file of several units is shared among them."""
+        total, n = 0.0, len(self.given)
+        for name, one in self.job.files:
+            columns = COLUMN.findall(one.file if isinstance(one, Shared) else one)
+            cells = [] if "serial" in columns else [one.texts for one in self.given] if columns else [{}]
+            files = len({tuple(map(texts.get, columns)) for texts in cells}) or n
+            some: set[str] = set()
+            for unit in self.given[:FEW]:
+                with suppress(InertialcalError):  # a bad path is the unit's own
+                    some.add(files_of(self.job, unit)[name])
+            sizes = [size for size, _ in self.job.place.stamps(list(some)).values()]
+            total += sum(sizes) / max(len(sizes), 1) * files / n
+        return total
 
     def _known(self, ledger: Ledger) -> dict[str, Noted]:
         """Return what is done and holds: of the same campaign, code and inputs.

@@ -14,10 +14,10 @@ import shutil
 import traceback
 from array import array
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import lru_cache, partial
 from itertools import groupby
@@ -25,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from ..campaign.engine.processes import cores
@@ -37,7 +38,7 @@ from .ledger import Ledger, Noted
 from .lot_file import COLUMN, Lot
 from .rows import OWN, quarantined, stream_of
 from .study import Columns, Study, study
-from .table import read_table
+from .table import Figures, figures_of, table_of_figures
 
 FEW = 5  # pairs of units, frames of a fault that are told
 LOT, UNITS, PROVENANCE = "lot.json", "units", "provenance.json"
@@ -45,7 +46,8 @@ NEW = "units.new"
 REPORT = "report.html"
 PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where LOT.toml does not say
 PART = 250  # units in a file
-GROUP = 50  # units in a row group: what is in memory at a time
+GROUP = 50  # units in a row group, or as many times that as stay below
+MANY = 10_000  # figures of them: what is in memory at a time
 MODEL_TEXT = "model.list.element.json"
 WRITERS = 2  # of files at a time
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE")
@@ -98,7 +100,9 @@ def publish_lot(
         new.mkdir()
         noted, instead, copies = _without_copies(lot, ledger, noted, how.get("archive"))
         with ThreadPoolExecutor(min(cores(), WRITERS)) as pool:
-            parts = list(pool.map(partial(_part, new, lot, ledger, noted, instead), range(0, len(noted), PART)))
+            work = partial(_part, new, lot, ledger, noted, instead)
+            written = list(pool.map(work, range(0, len(noted), PART)))
+        parts = [one.content for one in written]
         (folder / LOT).unlink(missing_ok=True)
         shutil.rmtree(folder / UNITS, ignore_errors=True)
         os.replace(new, folder / UNITS)
@@ -110,7 +114,7 @@ def publish_lot(
         failed: list[Remark] = []
         found, statistics, page = None, None, ""
         with _told(failed, "statistics", folder):
-            found = _study(lot, [folder / str(one["file"]) for one in parts])
+            found = _study(lot, written)
             statistics = found.content()
         if report and statistics is not None and found is not None:
             with _told(failed, "report", folder):
@@ -153,10 +157,11 @@ def _told(failed: list[Remark], what: str, folder: Path) -> Iterator[None]:
         failed.append(Remark(f"no_{what}", "error", text, do=do))
 
 
-def _study(lot: Lot, parts: Sequence[Path]) -> Study:
-    columns = line_of(lot)
-    names = [one for one in (columns.station, columns.place, *columns.factors) if one]
-    return study(read_table(parts, names), columns)
+def _study(lot: Lot, parts: Sequence[_Part]) -> Study:
+    for one in parts:
+        if one.failed is not None:
+            raise one.failed
+    return study(table_of_figures([some for one in parts for some in one.figures]), line_of(lot))
 
 
 def _without_copies(
@@ -268,28 +273,59 @@ def counts(noted: Sequence[Noted]) -> dict[str, int]:
     }
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A file of units that is written: what ``lot.json`` says of it, the figures in it, and what finding them raised."""
+
+    content: dict[str, object]
+    figures: tuple[Figures, ...]
+    failed: Exception | None
+
+
 def _part(
     new: Path, lot: Lot, ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int
-) -> dict[str, object]:
-    """Write the rows of the units from one on; return what ``lot.json`` says of them."""
+) -> _Part:
+    """Write the rows of the units from one on."""
     last = min(first + PART, len(noted))
     name = f"part-{first // PART:05d}.parquet"
+    columns = line_of(lot)
+    names = [one for one in (columns.station, columns.place, *columns.factors) if one]
+    figures: list[Figures] = []
+    failed: Exception | None = None
     with ExitStack() as stack:
         writer: pq.ParquetWriter | None = None
-        for start in range(first, last, GROUP):
-            end = min(start + GROUP, last)
-            table = _rows(ledger, noted, instead, start, end)
-            given = lot.units.table.slice(start, end - start)
-            for column in given.column_names:
-                if column != "serial":
-                    table = table.append_column(column if column not in OWN else f"unit_{column}", given[column])
+        for table in _groups(lot, ledger, noted, instead, range(first, last)):
             if writer is None:
                 often = [one for one in _leaves(table.schema) if one != MODEL_TEXT]  # no two model files are alike
                 opened = pq.ParquetWriter(new / name, table.schema, compression="zstd", use_dictionary=often)
                 writer = stack.enter_context(opened)
-            writer.write_table(table.combine_chunks())
+            writer.write_table(table)
+            try:
+                figures.append(figures_of(table, names))
+            except Exception as error:  # the part stands all the same
+                failed = failed or error
     digest = hashlib.sha256((new / name).read_bytes()).hexdigest()
-    return {"file": f"{UNITS}/{name}", "units": last - first, "sha256": digest}
+    return _Part({"file": f"{UNITS}/{name}", "units": last - first, "sha256": digest}, tuple(figures), failed)
+
+
+def _groups(
+    lot: Lot, ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], units: range
+) -> Iterator[pa.Table]:
+    """Yield the rows of units, as many together as a row group holds: by what is in them, not by their blocks."""
+    read = lru_cache(maxsize=4)(lambda block: _table(ledger.rows(block)))  # units done again stand among others
+    tables: list[pa.Table] = []
+    for start in units[::GROUP]:
+        numbers = range(start, min(start + GROUP, units.stop))
+        tables.append(_rows(read, noted, instead, numbers))
+        most = max(pc.sum(pc.list_value_length(one["results"])).as_py() or 0 for one in tables)
+        if numbers.stop == units.stop or most * (len(tables) + 1) > MANY:
+            table = pa.concat_tables(tables)
+            given = lot.units.table.slice(numbers.stop - len(table), len(table))
+            for column in given.column_names:
+                if column != "serial":
+                    table = table.append_column(column if column not in OWN else f"unit_{column}", given[column])
+            yield table.combine_chunks()
+            tables = []
 
 
 def _leaves(schema: pa.Schema) -> Iterator[str]:
@@ -301,18 +337,18 @@ def _leaves(schema: pa.Schema) -> Iterator[str]:
             yield field.name
 
 
-def _rows(ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], first: int, end: int) -> pa.Table:
+def _rows(
+    read: Callable[[int], pa.Table], noted: Sequence[Noted], instead: Mapping[int, bytes], units: range
+) -> pa.Table:
     """Return the rows of some units: those in the ledger, or in place of them."""
     tables: list[pa.Table] = []
-    read = lru_cache(maxsize=4)(lambda block: _table(ledger.rows(block)))  # units done again stand among others
-    runs = groupby(range(first, end), lambda at: (at in instead, noted[at].block, noted[at].place - at))
-    for (replaced, block, _), run in runs:
+    for (replaced, block, _), run in groupby(units, lambda at: (at in instead, noted[at].block, noted[at].place - at)):
         numbers = list(run)
         if replaced:
             tables += [_table(instead[at]) for at in numbers]
         else:
             tables.append(read(block).slice(noted[numbers[0]].place, len(numbers)))
-    return pa.concat_tables(tables).set_column(0, "number", pa.array(range(first, end), pa.int64()))
+    return pa.concat_tables(tables).set_column(0, "number", pa.array(units, pa.int64()))
 
 
 def _table(rows: bytes, columns: Sequence[int] | None = None) -> pa.Table:

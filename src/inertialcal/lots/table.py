@@ -1,4 +1,4 @@
-"""Figures of a lot as arrays: a row a test of a unit, a column a figure; read from ``units/part-*.parquet``."""
+"""Figures of a lot as arrays: a row a test of a unit, a column a figure, from the rows of its units."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..core.errors import DataError
@@ -22,9 +20,7 @@ from ..core.key import At, Key, Method
 
 IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
 HEAD = ("serial", "status", "verdict", "reason_code")
-RESULTS = "results.list.element."
-WORDS = [RESULTS + one for one in (*IDENTITY, "method", "member_kind", "status") if one not in ("power", "at")]
-COLUMNS = [*WORDS, *(RESULTS + one for one in ("power", "at", "value", "u", "dof", "common"))]
+COLUMNS = (*IDENTITY, "method", "member_kind", "status", "value", "u", "dof", "common")  # of a figure
 PARAMETER = ("quantity", "axis", "sensor", "power")
 LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
 ASSEMBLED = "model"  # test of figures that stand in another test already
@@ -213,33 +209,71 @@ def _floats(column: pa.ChunkedArray) -> Array:
     return np.asarray(pc.cast(column, pa.float64(), safe=False).to_numpy(), dtype=np.float64)
 
 
-def read_table(parts: Sequence[Path], names: Sequence[str]) -> Table:
-    """Return the figures of the parts of a lot, in their order.
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Figures of some units that follow each other, as `figures_of` finds them: rows from 0, and numbers of the keys."""
+
+    head: pa.Table  # What the units are and how they ended
+    keys: tuple[tuple[Any, ...], ...]  # Of figures, in the order in which they come
+    cells: tuple[NDArray[Any], ...]  # Row, number of the figure, value, u, dof, common
+    asked: tuple[tuple[Any, ...], ...]  # What requirements judge
+    limits: tuple[tuple[float | None, float | None], ...]
+    judged: tuple[NDArray[Any], ...]  # Row, number of what is asked, verdict
+    parameters: tuple[tuple[Any, ...], ...]
+    modelled: tuple[NDArray[Any], ...]  # Row, number of the parameter
+    wrong: tuple[Wrong, ...]
+
+
+def figures_of(rows: pa.Table, names: Sequence[str]) -> Figures:
+    """Return the figures of some units.
 
     Parameters
     ----------
-    parts : sequence of Path
-        ``units/part-*.parquet``.
+    rows : pyarrow.Table
+        Of units, as a lot writes them.
     names : sequence of str
         Columns of theirs that the table of units gave.
+    """
+    row, found = _flattened(rows["results"], COLUMNS)
+    keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
+    keep = pc.and_(keep, pc.equal(found["status"], "estimated"))
+    kept = np.asarray(pc.fill_null(keep, False).to_numpy(zero_copy_only=False), dtype=bool)
+    assembled = np.asarray(pc.equal(found["test"], ASSEMBLED).to_numpy(zero_copy_only=False), dtype=bool)
+    of_model, own = kept & assembled, kept & ~assembled
+    parameters, modelled = _numbered(found.select(PARAMETER).filter(pa.array(of_model)))
+    mine = found.filter(pa.array(own))
+    keys, at = _numbered(mine.select(IDENTITY))
+    cells = (row[own], at, *(_column(mine, name) for name in ("value", "u", "dof", "common")))
+    judged_row, judged = _flattened(rows["verdicts"], (*LIMIT, "lower", "upper", "verdict"))
+    asked, number = _numbered(judged.select(LIMIT))
+    first = np.unique(number, return_index=True)[1]
+    ends = np.column_stack([_column(judged, name)[first] for name in ("lower", "upper")]).tolist()
+    limits = tuple((None if np.isnan(lower) else lower, None if np.isnan(upper) else upper) for lower, upper in ends)
+    words = [JUDGED.index(word) if word in JUDGED else -1 for word in judged["verdict"].to_pylist()]
+    return Figures(
+        rows.select([*HEAD, *names]), keys, cells, asked, limits, (judged_row, number, np.array(words, dtype=np.int8)),
+        parameters, (row[of_model], modelled), tuple(_wrong(rows["remarks"])),
+    )  # fmt: skip
+
+
+def table_of_figures(every: Sequence[Figures]) -> Table:
+    """Return the figures of a lot: of all its units, in their order.
 
     Raises
     ------
     DataError
         ``no_units``.
     """
-    made = _Made()
-    for path in parts:
-        with pq.ParquetFile(path, read_dictionary=WORDS) as part:
-            for group in range(part.num_row_groups):
-                made.add(part.read_row_group(group, [*HEAD, *COLUMNS, "verdicts", "remarks", *names]))
-    if not made.heads:
+    if not every:
         raise DataError("a lot without a unit", code="no_units")
+    made = _Made()
+    for one in every:
+        made.add(one)
     return made.table()
 
 
 class _Made:
-    """Figures as they come, part by part."""
+    """Figures as they come, some units at a time."""
 
     def __init__(self) -> None:
         self.numbers: dict[tuple[Any, ...], int] = {}
@@ -253,48 +287,18 @@ class _Made:
         self.parameters: dict[tuple[Any, ...], int] = {}
         self.modelled: list[tuple[Any, ...]] = []  # row, number of the parameter: arrays
 
-    def add(self, part: pa.Table) -> None:
-        first, self.count = self.count, self.count + part.num_rows
-        self.heads.append(part.drop_columns(["results", "verdicts", "remarks"]))
-        rows, found = _flattened(part["results"], first)
-        keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
-        keep = pc.and_(keep, pc.equal(found["status"], "estimated"))
-        assembled = pc.equal(found["test"], ASSEMBLED)
-        of_model = np.asarray(pc.fill_null(pc.and_(keep, assembled), False).to_numpy(zero_copy_only=False), dtype=bool)
-        self.modelled.append(
-            (rows[of_model], self._numbered(found.filter(pa.array(of_model)), PARAMETER, self.parameters))
-        )
-        keep = pc.and_(keep, pc.invert(assembled))
-        kept = np.asarray(pc.fill_null(keep, False).to_numpy(zero_copy_only=False), dtype=bool)
-        found, rows = found.filter(pa.array(kept)), rows[kept]
-        at = self._numbered(found, IDENTITY, self.numbers)
-        self.cells.append((rows, at, *(_column(found, name) for name in ("value", "u", "dof", "common"))))
-        rows, found = _flattened(part["verdicts"], first)
-        known = len(self.asked)
-        at = self._numbered(found, LIMIT, self.asked)
-        lower, upper = _column(found, "lower"), _column(found, "upper")
-        for number in range(known, len(self.asked)):
-            one = int(np.flatnonzero(at == number)[0])
-            self.limits.append(tuple(None if np.isnan(end[one]) else float(end[one]) for end in (lower, upper)))  # type: ignore[arg-type]
-        self.wrong += _wrong(part["remarks"], first)
-        words = found["verdict"].to_pylist()
-        self.judged.append((rows, at, np.array([JUDGED.index(w) if w in JUDGED else -1 for w in words], dtype=np.int8)))
-
-    @staticmethod
-    def _numbered(found: pa.Table, names: Sequence[str], known: dict[tuple[Any, ...], int]) -> NDArray[np.intp]:
-        """Return the number of each row's figure; new ones get the next."""
-        if not found.num_rows:
-            return np.zeros(0, dtype=np.intp)
-        codes = [_coded(found[name]) for name in names]
-        index = np.zeros(found.num_rows, dtype=np.int64)
-        for words, at in codes:
-            index = index * len(words) + at
-        _, first, where = np.unique(index, return_index=True, return_inverse=True)
-        numbers = np.zeros(len(first), dtype=np.intp)
-        for k in np.argsort(first):
-            key = tuple(words[at[first[k]]] for words, at in codes)
-            numbers[k] = known.setdefault(key, len(known))
-        return np.asarray(numbers[where])
+    def add(self, some: Figures) -> None:
+        first, self.count = self.count, self.count + some.head.num_rows
+        self.heads.append(some.head)
+        self.limits += [ends for key, ends in zip(some.asked, some.limits, strict=True) if key not in self.asked]
+        for cells, keys, known, whole in (
+            (some.cells, some.keys, self.numbers, self.cells),
+            (some.judged, some.asked, self.asked, self.judged),
+            (some.modelled, some.parameters, self.parameters, self.modelled),
+        ):
+            numbers = np.array([known.setdefault(key, len(known)) for key in keys], dtype=np.intp)
+            whole.append((cells[0] + first, numbers[cells[1]], *cells[2:]))
+        self.wrong += [replace(one, row=one.row + first) for one in some.wrong]
 
     def table(self) -> Table:
         n, k = self.count, len(self.numbers)
@@ -339,8 +343,8 @@ def _figure(key: Sequence[Any]) -> Figure:
                   condition or "", unit or "")  # fmt: skip
 
 
-def _wrong(column: pa.ChunkedArray, first: int) -> list[Wrong]:
-    rows, found = _flattened(column, first)
+def _wrong(column: pa.ChunkedArray) -> list[Wrong]:
+    rows, found = _flattened(column, ("severity", "test", "code", "what"))
     bad = np.asarray(pc.equal(found["severity"], "error").to_numpy(zero_copy_only=False), dtype=bool)
     made: dict[tuple[int, str], Wrong] = {}
     for row, one in zip(rows[bad].tolist(), found.filter(pa.array(bad)).to_pylist(), strict=True):
@@ -349,23 +353,37 @@ def _wrong(column: pa.ChunkedArray, first: int) -> list[Wrong]:
     return list(made.values())
 
 
+def _numbered(found: pa.Table) -> tuple[tuple[tuple[Any, ...], ...], NDArray[np.intp]]:
+    """Return the different rows of a table in the order in which they come, and which of them each row is."""
+    if not found.num_rows:
+        return (), np.zeros(0, dtype=np.intp)
+    codes = [_coded(column) for column in found.columns]
+    index = np.zeros(found.num_rows, dtype=np.int64)
+    for words, at in codes:
+        index = index * len(words) + at
+    _, first, where = np.unique(index, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    numbers = np.empty(len(first), dtype=np.intp)
+    numbers[order] = np.arange(len(first))
+    keys = tuple(tuple(words[at[k]] for words, at in codes) for k in first[order])
+    return keys, np.asarray(numbers[where])
+
+
 def _coded(column: pa.ChunkedArray) -> tuple[list[Any], NDArray[np.intp]]:
     """Return the words of a column, none among them, and which of them each cell is."""
-    coded = column.combine_chunks()
-    if not pa.types.is_dictionary(coded.type):
-        coded = coded.dictionary_encode()
+    coded = column.combine_chunks().dictionary_encode()
     at = pc.fill_null(pc.add(coded.indices.cast(pa.int64()), 1), 0).to_numpy()
     return [None, *coded.dictionary.to_pylist()], np.asarray(at, dtype=np.intp)
 
 
-def _flattened(column: pa.ChunkedArray, first: int) -> tuple[NDArray[np.intp], pa.Table]:
-    """Return the row of each entry of lists, and the entries as a table."""
+def _flattened(column: pa.ChunkedArray, names: Sequence[str]) -> tuple[NDArray[np.intp], pa.Table]:
+    """Return the row of each entry of lists, and some of its fields as a table."""
     whole = column.combine_chunks()
-    rows = pc.list_parent_indices(whole).to_numpy().astype(np.intp) + first
-    return rows, pa.Table.from_struct_array(whole.flatten())
+    entries = whole.flatten()
+    rows = pc.list_parent_indices(whole).to_numpy().astype(np.intp)
+    fields = dict(zip((one.name for one in entries.type), entries.flatten(), strict=True))
+    return rows, pa.table({name: fields[name] for name in names})
 
 
 def _column(found: pa.Table, name: str) -> Array:
-    if name not in found.column_names:
-        return np.full(found.num_rows, np.nan)
     return np.asarray(found[name].combine_chunks().to_numpy(zero_copy_only=False), dtype=np.float64)

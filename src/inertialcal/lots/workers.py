@@ -93,13 +93,17 @@ def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], don
     again: deque[Task] = deque()
     suspects: deque[Task] = deque()
     under_way: dict[Future[Block], Task] = {}
+
+    def begin() -> None:
+        while len(under_way) < workers.size and not suspects:
+            task = again.popleft() if again else next((Task(units) for units in blocks), None)
+            if task is None:
+                break
+            under_way[workers.begin(job, task.units)] = task
+
     try:
         while True:
-            while len(under_way) < workers.size and not suspects:
-                task = again.popleft() if again else next((Task(units) for units in blocks), None)
-                if task is None:
-                    break
-                under_way[workers.begin(job, task.units)] = task
+            begin()
             if suspects and not under_way:  # else nobody could say which block ended a worker
                 again.append(_probed(workers, job, suspects.popleft(), done))
                 continue
@@ -108,6 +112,8 @@ def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], don
             for future in _ended(under_way, workers):
                 task = under_way.pop(future)
                 if not _is_lost(future, workers):
+                    if workers.size > 1:
+                        begin()  # first: no worker waits while this one is noted
                     done(task.units, future.result())
                     continue
                 task = replace(task, lost=task.lost + 1)
