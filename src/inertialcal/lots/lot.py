@@ -28,7 +28,6 @@ from ..core.show.tables import Table, html, text
 from .block import Block, Given, Job, files_of, log_name, unit_key
 from .ledger import FILE, Ledger, Noted
 from .lot_file import Lot, SharedFile, load_lot
-from .publish import publish_lot
 from .stores import COLUMN, Place, Shared
 from .workers import Here, Processes, Workers, conduct
 
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
     from .study import Study
 
 MOST, SHARES = 50, 8  # units that are worked on together; blocks that a small lot is parted in
-SMALL, LIGHT = 200, 1_000_000  # the same of units with little to read: so many bytes of recordings together at most
+SMALL, LIGHT = (200, 32), 1_000_000  # the same of units with little to read: so many bytes of recordings together
 NEVER_KEPT = frozenset({"unreachable", "worker_killed"})  # reasons that say nothing of the recordings: tried again
 SECOND = 1.0  # between two lines of progress
 FEW = 10  # units in quarantine that are shown
@@ -280,12 +279,20 @@ class _Lot:
 
     def reduced(self, workers: int | None, scheduler: str) -> LotOutcome:
         """Reduce what is missing, then write the files."""
+        who: Workers = self._workers(workers, scheduler)  # processes load what they need while the lot is looked at
+        try:
+            return self._reduced(who, scheduler)
+        finally:
+            who.close()
+
+    def _reduced(self, who: Workers, scheduler: str) -> LotOutcome:
+        from .publish import publish_lot  # noqa: PLC0415 - starts slowly: processes load meanwhile
+
         keys = self.keys
         if not self.job.place.is_local:
             self.job.place.stamps([self.lot.file.units])  # refused at once
         if not (self.folder / FILE).is_file():
             self._check_there()
-        who: Workers = self._workers(workers, scheduler)
         interruption.note(self.folder, complete=False, then="Go on with it by --resume")
         ledger = Ledger(self.folder)
         try:
@@ -313,7 +320,6 @@ class _Lot:
                 )
             interruption.note(self.folder)
         finally:
-            who.close()
             ledger.close()
         return LotOutcome(
             self.folder,
@@ -334,13 +340,18 @@ class _Lot:
                 raise UsageError(f"{what}: one of them", do=do, code="wrong_value")
             return Cluster(scheduler)
         count = cores() if workers is None else workers
-        return Processes(min(count, -(-len(self.given) // self.block))) if count else Here()
+        units = len(self.lot.units.serials)
+        found = Processes(min(count, -(-units // max(1, min(MOST, units // SHARES))))) if count else Here()
+        found.start()
+        return found
 
     @cached_property
     def block(self) -> int:
         """Units that are worked on together; no figure depends on it. What few bytes tell is read fastest by many."""
-        most = min(SMALL, max(MOST, int(LIGHT / (self._bytes_of_unit() or LIGHT))))
-        return max(1, min(most, len(self.given) // SHARES))
+        n, (most, shares) = len(self.given), SMALL
+        usual = max(1, min(MOST, n // SHARES))
+        larger = min(most, n // shares)
+        return max(usual, min(larger, int(LIGHT / (self._bytes_of_unit() or LIGHT)))) if larger > usual else usual
 
     def _bytes_of_unit(self) -> float:
         """Return how large the recordings of a unit are, as they lie: a file of several units is shared among them."""

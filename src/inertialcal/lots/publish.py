@@ -275,7 +275,7 @@ def counts(noted: Sequence[Noted]) -> dict[str, int]:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """A file of units that is written: what ``lot.json`` says of it, the figures in it, and what finding them raised."""
+    """A file of units that is written: what ``lot.json`` says of it, its figures, and what finding them raised."""
 
     content: dict[str, object]
     figures: tuple[Figures, ...]

@@ -211,7 +211,7 @@ def _floats(column: pa.ChunkedArray) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Figures:
-    """Figures of some units that follow each other, as `figures_of` finds them: rows from 0, and numbers of the keys."""
+    """Figures of some units in a row, as `figures_of` finds them: by their rows from 0, and by numbers of keys."""
 
     head: pa.Table  # What the units are and how they ended
     keys: tuple[tuple[Any, ...], ...]  # Of figures, in the order in which they come

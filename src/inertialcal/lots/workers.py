@@ -26,7 +26,7 @@ from multiprocessing.process import BaseProcess
 from typing import Protocol
 
 from ..campaign.engine.processes import SIGNALS, can_fork
-from ..procedures import loaded_procedures
+from ..procedures import all_quantities, loaded_procedures
 from .block import Block, Given, Job, killed, reduce_block
 
 SUSPECT = 2  # workers that a block may lose before its units are tried alone
@@ -93,17 +93,9 @@ def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], don
     again: deque[Task] = deque()
     suspects: deque[Task] = deque()
     under_way: dict[Future[Block], Task] = {}
-
-    def begin() -> None:
-        while len(under_way) < workers.size and not suspects:
-            task = again.popleft() if again else next((Task(units) for units in blocks), None)
-            if task is None:
-                break
-            under_way[workers.begin(job, task.units)] = task
-
     try:
         while True:
-            begin()
+            _begin_more(workers, job, under_way, again, blocks, suspects)
             if suspects and not under_way:  # else nobody could say which block ended a worker
                 again.append(_probed(workers, job, suspects.popleft(), done))
                 continue
@@ -112,8 +104,8 @@ def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], don
             for future in _ended(under_way, workers):
                 task = under_way.pop(future)
                 if not _is_lost(future, workers):
-                    if workers.size > 1:
-                        begin()  # first: no worker waits while this one is noted
+                    if workers.size > 1:  # first: no worker waits while this one is noted
+                        _begin_more(workers, job, under_way, again, blocks, suspects)
                     done(task.units, future.result())
                     continue
                 task = replace(task, lost=task.lost + 1)
@@ -125,6 +117,22 @@ def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], don
                     again.extend(Task((one,)) for one in task.units)
     finally:
         workers.close()
+
+
+def _begin_more(
+    workers: Workers,
+    job: Job,
+    under_way: dict[Future[Block], Task],
+    again: deque[Task],
+    blocks: Iterator[tuple[Given, ...]],
+    suspects: deque[Task],
+) -> None:
+    """Give blocks to workers who have none; none while there are suspects, which are tried alone."""
+    while len(under_way) < workers.size and not suspects:
+        task = again.popleft() if again else next((Task(units) for units in blocks), None)
+        if task is None:
+            return
+        under_way[workers.begin(job, task.units)] = task
 
 
 def _ended(under_way: dict[Future[Block], Task], workers: Workers) -> set[Future[Block]]:
@@ -179,6 +187,11 @@ class Processes:
         self._pool: ProcessPoolExecutor | None = None
         self._known: set[BaseProcess] = set()  # that were seen in the pool
         self._short: float | None = None  # since when one of them is missing
+
+    def start(self) -> None:
+        """Start them: they load what every lot needs."""
+        if self._pool is None:
+            self._started()
 
     def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
         """Give a block to one of them."""
@@ -254,12 +267,16 @@ def _work_for(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, name="parent", daemon=True).start()
+    all_quantities()  # loads what is slow
 
 
 class Here:
     """No other process: one block after the other, in that of the caller."""
 
     size = 1
+
+    def start(self) -> None:
+        """Load nothing before it is needed."""
 
     def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
         """Do a block now."""

@@ -33,11 +33,12 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, special
+from scipy import special
 
 from ..core.errors import DataError
 from ..core.judging import LEVEL, Rule
@@ -179,6 +180,13 @@ def _bands(
     return np.interp(sizes, few, [guard_band(rule, float(one), dof, lower, upper, p).accept for one in few])
 
 
+def _root(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Return where it is zero between two ends at which its signs differ."""
+    from scipy.optimize import brentq  # noqa: PLC0415 - starts slowly
+
+    return float(brentq(excess, low, high))
+
+
 def _specific_band(risk: float, u: float, dof: float, lower: float | None, upper: float | None) -> float:
     """Return the band at which the true value lies outside the limits, on either side, with that risk."""
     band = t_quantile(dof, 1.0 - risk) * u
@@ -191,7 +199,7 @@ def _specific_band(risk: float, u: float, dof: float, lower: float | None, upper
 
     if excess(half) > 0.0:
         return math.inf
-    return band if excess(band) <= 0.0 else float(optimize.brentq(excess, band, half))
+    return band if excess(band) <= 0.0 else _root(excess, band, half)
 
 
 def _global_band(
@@ -221,11 +229,11 @@ def _global_band(
         return 0.0
     if lower is not None and upper is not None:
         half = 0.5 * (upper - lower)
-        return float(optimize.brentq(excess, 0.0, half))  # nothing is accepted at half the span
+        return _root(excess, 0.0, half)  # nothing is accepted at half the span
     most = t_quantile(dof, 1.0 - 0.1 * risk) * u
     while excess(most) > 0.0:
         most *= 2.0
-    return float(optimize.brentq(excess, 0.0, most))
+    return _root(excess, 0.0, most)
 
 
 def below(t: float, dof: float) -> float:
