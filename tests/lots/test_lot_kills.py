@@ -22,6 +22,7 @@ import inertialcal as ic
 from inertialcal.campaign.engine import engine
 from inertialcal.lots import block as block_module
 from inertialcal.lots import workers as workers_module
+from inertialcal.lots.ledger import FILE
 
 UNITS = 24
 LEAST = 0.3  # s, before the first kill
@@ -133,7 +134,7 @@ def test_an_interruption_leaves_a_lot_that_goes_on(lot: tuple[Path, dict[str, st
     process = begun(lot[0], out)
     seen: set[int] = set()
     end = time.monotonic() + 60.0
-    while not children(process.pid) and time.monotonic() < end:
+    while not (children(process.pid) and (out / FILE).is_file()) and time.monotonic() < end:
         time.sleep(0.02)
     time.sleep(LEAST)
     seen |= {*children(process.pid)}
