@@ -26,6 +26,7 @@ LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
 ASSEMBLED = "model"  # test of figures that stand in another test already
 NOT_STATED = "not stated"  # level of an empty cell
 BY_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})(?:,? +(\d{1,2}):(\d\d)(:\d\d(?:\.\d+)?)?)?")  # 12.03.2026 08:30
+Words = tuple[str | float | None, ...]  # that say which figure, limit or parameter something is
 JUDGED = ("PASS", "FAIL", "INCONCLUSIVE")
 
 
@@ -214,12 +215,12 @@ class Figures:
     """Figures of some units in a row, as `figures_of` finds them: by their rows from 0, and by numbers of keys."""
 
     head: pa.Table  # What the units are and how they ended
-    keys: tuple[tuple[Any, ...], ...]  # Of figures, in the order in which they come
+    keys: tuple[Words, ...]  # Of figures, in the order in which they come
     cells: tuple[NDArray[Any], ...]  # Row, number of the figure, value, u, dof, common
-    asked: tuple[tuple[Any, ...], ...]  # What requirements judge
+    asked: tuple[Words, ...]  # What requirements judge
     limits: tuple[tuple[float | None, float | None], ...]
     judged: tuple[NDArray[Any], ...]  # Row, number of what is asked, verdict
-    parameters: tuple[tuple[Any, ...], ...]
+    parameters: tuple[Words, ...]
     modelled: tuple[NDArray[Any], ...]  # Row, number of the parameter
     wrong: tuple[Wrong, ...]
 
