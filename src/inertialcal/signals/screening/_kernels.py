@@ -21,6 +21,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 PIECE = 64  # samples of a piece, as ``blocks`` has them
+BLOCK = 16  # samples of a block of a short record
 SUB = 16  # samples in which a glitch is looked for at once
 SIDE = 15  # samples on each side that a running median takes
 WINDOW = 2 * SIDE + 1
@@ -32,6 +33,9 @@ CODES = 32_000.0  # of distances, so that they fit into 16 bits
 REACH = 3  # codes within which the distance of a sample is known
 BIN, LAST = 6, 63  # bits of the codes that are counted together, and the last of these
 COARSE = 8  # one sample in so many may lie near a rank
+RUN = 1024  # samples that are compared with those around at a time ...
+STEPS = 32  # ... and steps of the distance that they are looked for beyond
+FAR = 7.0  # scales that a glitch is off at least
 LANES = 64  # runs of samples that medians are taken of at a time
 BINS = 512  # in which values are counted
 ROUNDED = 1.0 + 1e-9  # more than results may differ by rounding
@@ -214,29 +218,18 @@ def fill_ranked(x: Samples, m: int, ranks: Indices, out: Array) -> bool:
     """Fill some ranks, ascending, of the distances of the first m samples from the running median of 31.
 
     Medians are taken of codes, whole numbers of 16 bits in the order of the samples, many runs of samples at a time:
-    they tell each distance to a code, and those near a rank are then taken exactly. Returns False, where samples are
+    they tell each distance to a code, and those near a rank are then taken exactly. Distances in codes are counted in
+    bins, and in each code of the bins near a rank, which may lie in any of three. Returns False, where samples are
     missing, or codes are too coarse for that.
     """
-    least, largest = np.inf, -np.inf
-    for i in range(len(x)):
+    n, least, largest, lost = len(x), np.inf, -np.inf, 0.0
+    for i in range(n):
         value = np.float64(x[i])
-        if not np.isfinite(value):
-            return False
-        least, largest = min(least, value), max(largest, value)
-    return _fill_ranked(x, m, ranks, out, least, largest)
-
-
-@compiled
-def _fill_ranked(x: Samples, m: int, ranks: Indices, out: Array, least: float, largest: float) -> bool:
-    """Fill ranks of the distances from the running median of finite samples between a least and a largest one.
-
-    Distances in codes are counted in bins, and in each code of the bins near a rank, which may lie in any of three.
-    """
-    n = len(x)
+        least, largest, lost = min(least, value), max(largest, value), lost + 0.0 * value
     some = np.sort(x[:: max(n // BINS, 1)].astype(np.float64))
     low, high = some[len(some) // 50], some[len(some) - 1 - len(some) // 50]  # a few samples may be far off
     low, high = max(least, low - 2.0 * (high - low)), min(largest, high + 2.0 * (high - low))
-    scale = CODES / (high - low)
+    scale = CODES / (high - low) + lost  # NaN where a sample is not finite
     if not (0.0 < scale < np.inf):
         return False
     codes, clipped = np.empty(n, dtype=np.int16), 0
@@ -467,39 +460,164 @@ def smallest_step(rows: Array) -> float:
 
 
 @compiled
-def look(
-    x: Samples, bits: Samples, size: int, flip: Any, inf: Any, ranks: Indices, found: Array
-) -> tuple[bool, float, Array, Array, Array, Array, NDArray[np.int32]]:  # fmt: skip
-    """Fill ranks of the distances from the running median; return whether that is all, and what blocks hold.
+def look(x: Samples, bits: Samples, many: int, rank: int, mean: Array, rough: Array) -> bool:
+    """Return whether a record holds no glitches, nothing that is held or stored twice, and no samples that are missing.
 
-    Smallest step of the pieces of ``PIECE`` samples, and of each block least and largest sample, mean, half the mean
-    squared step and number of equal steps. Not of a record with samples that are missing or huge, or with coarse codes.
+    That is sure where no sample equals the one before, least and largest occur once, no three samples that a block is
+    known by occur in another, and none is far from the running median: by a limit that is no larger than that of
+    ``glitches``, as ``rank`` of the first ``many`` distances tells it. Fills mean and half the mean squared step of
+    blocks of ``BLOCK`` samples.
     """
-    b = -(-len(x) // size)
-    lo, hi = np.empty(b, dtype=bits.dtype), np.empty(b, dtype=bits.dtype)
-    mean, rough = np.empty(b), np.empty(b)
-    same, count = np.empty(b, dtype=np.int32), np.empty(b, dtype=np.int32)
-    good = fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count) == 0
-    last = 8 * bits.itemsize - 1
+    n, b = len(x), len(mean)
+    lo, hi = np.empty(b), np.empty(b)
+    if _fill_extremes(x, lo, hi, mean, rough) > 0 or not np.isfinite(mean.sum()):
+        return False
+    if not (lo.min() > -HUGE and hi.max() < HUGE):
+        return False
+    for ends in (lo, hi):
+        end, found = lo.min() if ends is lo else hi.max(), 0
+        for k in range(b):
+            if ends[k] == end:
+                for i in range(k * BLOCK, min((k + 1) * BLOCK, n)):
+                    found += np.float64(x[i]) == end
+        if found > 1:
+            return False
+    if _may_repeat(bits, b):
+        return False
+    apart = 0.0
     for k in range(b):
-        lo[k], hi[k] = lo[k] ^ ((lo[k] >> last) & flip), hi[k] ^ ((hi[k] >> last) & flip)
-    least, largest = lo.view(x.dtype).astype(np.float64), hi.view(x.dtype).astype(np.float64)
-    lowest, highest = least.min(), largest.max()
-    good = good and lowest > -HUGE and highest < HUGE
-    steps = np.full(4, np.inf)
-    for first in range(0, len(x) // PIECE * PIECE if good else 0, PIECE):
-        row = x[first : first + PIECE]
-        one, two, three, four = steps
-        for i in range(0, PIECE, 4):
-            p, q, r, s = np.float64(row[i]), np.float64(row[i + 1]), np.float64(row[i + 2]), np.float64(row[i + 3])
-            t = np.float64(row[i + 4]) if i + 4 < PIECE else s  # no step leads to the next piece
-            q, r, s, t = abs(q - p), abs(r - q), abs(s - r), abs(t - s)
-            one, two = q if 0.0 < q < one else one, r if 0.0 < r < two else two
-            three, four = s if 0.0 < s < three else three, t if 0.0 < t < four else four
-        steps[0], steps[1], steps[2], steps[3] = one, two, three, four
-    step = steps.min()
-    good = good and _fill_ranked(x, len(x) // PIECE * PIECE, ranks, found, lowest, highest)
-    return good, step if step < np.inf else 0.0, least, largest, mean, rough, same
+        apart += hi[k] - lo[k]
+    for part in (0.26, 0.2):  # of the mean range of blocks: 0.26 is 0.92 standard deviations of white noise
+        size = part * apart / b
+        if size > 0.0 and many - _count_far(x, many, size, mean) <= rank:
+            break
+        size = 0.0
+    limit, which, wide = FAR * size / ROUNDED, np.empty(b, dtype=np.int64), 0
+    for k in range(b):
+        i, j = max(k - 1, 0), min(k + 1, b - 1)
+        which[wide] = k
+        wide += max(hi[i], hi[k], hi[j]) - min(lo[i], lo[k], lo[j]) > limit
+    at, off = np.empty(1, dtype=np.int64), np.empty(1)
+    return size > 0.0 and fill_far(x, BLOCK, which[:wide], limit, limit, at, off) == 0
+
+
+@compiled
+def _fill_extremes(x: Samples, lo: Array, hi: Array, mean: Array, rough: Array) -> int:
+    """Fill least and largest sample, mean, and half the mean squared step of blocks; return the number of equal steps.
+
+    The last block may be short. A sample that is missing shows in the mean.
+    """
+    whole, equal = len(x) // BLOCK, 0
+    for k in range(whole):
+        y = x[k * BLOCK : (k + 1) * BLOCK]
+        level = np.float64(y[0])
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        e, f, g, h = 0.0, 0.0, 0.0, 0.0
+        l0, l1, l2, l3 = level, level, level, level
+        h0, h1, h2, h3 = level, level, level, level
+        for i in range(BLOCK // 4):
+            p, q, r, s = (
+                np.float64(y[4 * i]),
+                np.float64(y[4 * i + 1]),
+                np.float64(y[4 * i + 2]),
+                np.float64(y[4 * i + 3]),
+            )
+            l0, l1, l2, l3 = p if p < l0 else l0, q if q < l1 else l1, r if r < l2 else l2, s if s < l3 else l3
+            h0, h1, h2, h3 = p if p > h0 else h0, q if q > h1 else h1, r if r > h2 else h2, s if s > h3 else h3
+            a, b, c, d = a + (p - level), b + (q - level), c + (r - level), d + (s - level)
+            t = np.float64(y[4 * i + 4]) if i < BLOCK // 4 - 1 else s
+            p, q, r, t = q - p, r - q, s - r, t - s
+            e, f, g, h = e + p * p, f + q * q, g + r * r, h + t * t
+            equal += (p == 0.0) + (q == 0.0) + (r == 0.0) + ((t == 0.0) & (i < BLOCK // 4 - 1))
+        lo[k], hi[k] = min(l0, l1, l2, l3), max(h0, h1, h2, h3)
+        mean[k], rough[k] = level + ((a + b) + (c + d)) / BLOCK, 0.5 * ((e + f) + (g + h)) / (BLOCK - 1)
+    for k in range(whole, len(mean)):
+        y = x[k * BLOCK :]
+        level, total, squares = np.float64(y[0]), 0.0, 0.0
+        lo[k], hi[k] = level, level
+        for i in range(len(y)):
+            p = np.float64(y[i])
+            lo[k], hi[k], total = min(lo[k], p), max(hi[k], p), total + (p - level)
+            if i > 0:
+                step = p - np.float64(y[i - 1])
+                squares, equal = squares + step * step, equal + (step == 0.0)
+        mean[k], rough[k] = level + total / len(y), 0.5 * squares / max(len(y) - 1, 1)
+    for k in range(1, len(mean)):
+        equal += x[k * BLOCK] == x[k * BLOCK - 1]
+    return equal
+
+
+@compiled
+def _may_repeat(bits: Samples, b: int) -> bool:
+    """Return whether two blocks may hold the same samples: three in a row, by which ``fill_prints`` knows each."""
+    n = len(bits) - 2
+    w, w1, w2, mixed = bits[:n], bits[1:], bits[2:], np.empty(n, dtype=np.uint64)
+    for i in range(n):
+        own = np.uint64(w[i]) + (np.uint64(w1[i]) << np.uint64(7)) ^ (np.uint64(w2[i]) << np.uint64(17))
+        mixed[i] = (own ^ (own >> np.uint64(29))) * np.uint64(0x9E3779B97F4A7C15) >> np.uint64(16)
+    room = 64
+    while room < 2 * b:
+        room *= 2
+    table = np.zeros(room, dtype=np.uint64)
+    for k in range(b):
+        own = mixed[min(k * BLOCK, n - 1)]
+        for i in range(k * BLOCK, min((k + 1) * BLOCK - 2, n)):
+            own = min(own, mixed[i])
+        if k * BLOCK >= n:  # a last block of two samples has no three
+            break
+        at = np.int64(own & np.uint64(room - 1))
+        while table[at] != 0:
+            if table[at] == own + np.uint64(1):
+                return True
+            at = (at + 1) % room
+        table[at] = own + np.uint64(1)
+    return False
+
+
+@compiled
+def _count_far(x: Samples, m: int, apart: float, mean: Array) -> int:
+    """Return how many of the first m samples are surely further from the running median of 31 than so much.
+
+    A sample is, where 16 of the 31 lie below it by more, or above it. They are compared as whole numbers of 8 bits:
+    what these are apart by more than ``STEPS``, the samples are, as cut off numbers are less apart than they were.
+    """
+    found, scale, last = 0, STEPS / apart, min(m, len(x) - SIDE)
+    codes, below, above = (
+        np.empty(RUN + 2 * SIDE, dtype=np.int8),
+        np.empty(RUN, dtype=np.int8),
+        np.empty(RUN, dtype=np.int8),
+    )
+    low, high = np.empty(RUN, dtype=np.int8), np.empty(RUN, dtype=np.int8)
+    for first in range(SIDE, last, RUN):
+        size, k = min(RUN, last - first), first // BLOCK
+        own = mean[k : max((first + size) // BLOCK, k + 1)]
+        level, part = own.sum() / len(own), x[first - SIDE : first + size + SIDE]
+        for i in range(len(part)):
+            code = (np.float64(part[i]) - level) * scale + 128.0
+            codes[i] = np.int8(np.int32(min(max(code, 0.0), 255.0)) - 128)
+        for i in range(size):
+            code = np.int32(codes[SIDE + i])
+            low[i], high[i] = np.int8(max(code - STEPS, -128)), np.int8(min(code + STEPS, 127))
+            below[i], above[i] = 0, 0
+        for j in range(0, WINDOW - 3, 4):
+            w, w1, w2, w3 = codes[j:], codes[j + 1 :], codes[j + 2 :], codes[j + 3 :]
+            for i in range(size):
+                p, q, r, s, least, most = w[i], w1[i], w2[i], w3[i], low[i], high[i]
+                below[i] = np.int8(
+                    below[i] + np.int8(p < least) + np.int8(q < least) + np.int8(r < least) + np.int8(s < least)
+                )
+                above[i] = np.int8(
+                    above[i] + np.int8(p > most) + np.int8(q > most) + np.int8(r > most) + np.int8(s > most)
+                )
+        w, w1, w2 = codes[WINDOW - 3 :], codes[WINDOW - 2 :], codes[WINDOW - 1 :]
+        for i in range(size):
+            p, q, r, least, most = w[i], w1[i], w2[i], low[i], high[i]
+            fewer = np.int8(below[i] + np.int8(p < least) + np.int8(q < least) + np.int8(r < least))
+            more = np.int8(above[i] + np.int8(p > most) + np.int8(q > most) + np.int8(r > most))
+            low[i] = np.int8((fewer > SIDE) | (more > SIDE))
+        for i in range(size):
+            found += low[i]
+    return found
 
 
 @compiled
@@ -549,54 +667,6 @@ def resolved(rows: Array, times: float, off: float, most: float, converted: floa
 
 
 @compiled
-def may_show(
-    x: Samples, bits: Samples, size: int, lo: Array, hi: Array, same: NDArray[np.int32], limit: float
-) -> bool:  # fmt: skip
-    """Return whether a record without missing samples may hold glitches, or anything that is held or stored twice.
-
-    It cannot, where no sample equals the one before, none is far from the running median (``fill_far``), no two are the
-    least or the largest, and no fingerprint occurs twice.
-    """
-    b, n = len(lo), len(x)
-    for k in range(b):
-        if same[k] > 0 or (k > 0 and x[k * size] == x[k * size - 1]):
-            return True
-    for ends in (lo, hi):
-        end = ends.min() if ends is lo else ends.max()
-        for k in range(b):
-            if ends[k] == end:
-                break
-        many = np.count_nonzero(ends == end)
-        for i in range(k * size, min((k + 1) * size, n)):
-            many += np.float64(x[i]) == end
-        if many > 2:  # its block, and itself
-            return True
-    if 0.0 < limit < np.inf:
-        which, wide = np.empty(b, dtype=np.int64), 0
-        for k in range(b):
-            first, stop = max(k - 1, 0), min(k + 2, b)
-            which[wide] = k
-            wide += hi[first:stop].max() - lo[first:stop].min() > limit
-        at, off = np.empty(1, dtype=np.int64), np.empty(1)
-        if fill_far(x, size, which[:wide], limit, limit, at, off) > 0:
-            return True
-    prints, place = np.empty(b, dtype=np.uint64), np.empty(b, dtype=np.int32)
-    fill_prints(bits, size, prints, place)
-    room = 64
-    while room < 2 * b:
-        room *= 2
-    table = np.zeros(room, dtype=np.uint64)
-    for own in prints:
-        at_own = np.int64(own & np.uint64(room - 1))
-        while own != 0 and table[at_own] != 0:
-            if table[at_own] == own:
-                return True
-            at_own = (at_own + 1) % room
-        table[at_own] = own
-    return False
-
-
-@compiled
 def _scatter(x: Array, sampled: int) -> float:
     """Return a standard deviation that few large values do not change, of every so manieth value."""
     some = x[:: max(len(x) // sampled, 1)].copy()
@@ -607,15 +677,8 @@ def _scatter(x: Array, sampled: int) -> float:
 
 @compiled
 def may_differ(
-    mean: Array,
-    rough: Array,
-    least: float,
-    even: float,
-    noise_limits: Array,
-    widths: Indices,
-    limits: Array,
-    sampled: int,
-) -> bool:
+    mean: Array, rough: Array, even: float, noise_limits: Array, widths: Indices, limits: Array, sampled: int
+) -> bool:  # fmt: skip
     """Return whether the noise of blocks (b,) may change, or their level step: a part of ``levels`` for sound records.
 
     ``noise_limits``: for the narrowest windows of 4, 8, 16 ... blocks; ``even``: scatter that these must keep to.
@@ -624,10 +687,8 @@ def may_differ(
     if not np.isfinite(rough).all() or not np.isfinite(mean).all():
         return True
     middle = np.median(rough) if len(noise_limits) > 0 else 0.0
-    if abs(middle - least) <= least * (ROUNDED - 1.0) and least > 0.0:
-        return True
     sums = np.zeros(b + 1)
-    if middle > least:
+    if middle > 0.0:
         y = np.log(np.maximum(rough, 1e-3 * middle))
         for i in range(b):
             sums[i + 1] = sums[i] + (y[i] - y[b // 2])
@@ -757,27 +818,23 @@ def fit_powers(part: Array, values: Array, rounds: int, weight: Array) -> None:
             for t in range(n):
                 level[t] += other * own[t]
         for t in range(n):
-            kept[t], inverse[t] = min(values[t], CUT * level[t]) / (level[t] * level[t]), 1.0 / level[t]
+            share = 1.0 / level[t]
+            kept[t], inverse[t] = min(values[t] * share, CUT) * share, share
         for i in range(k):
-            weight[i] *= np.sqrt(_sum_of_products(part[i], kept) / _sum_of_products(part[i], inverse))
-
-
-@compiled
-def _sum_of_products(x: Array, y: Array) -> float:
-    """Return the sum of the products of values, every fourth with the others of its place."""
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    fours = len(x) // 4
-    for i in range(fours):
-        a, b = a + x[4 * i] * y[4 * i], b + x[4 * i + 1] * y[4 * i + 1]
-        c, d = c + x[4 * i + 2] * y[4 * i + 2], d + x[4 * i + 3] * y[4 * i + 3]
-    u, v = x[4 * fours :], y[4 * fours :]
-    if len(u) > 0:
-        a += u[0] * v[0]
-    if len(u) > 1:
-        b += u[1] * v[1]
-    if len(u) > 2:
-        c += u[2] * v[2]
-    return (a + b) + (c + d)
+            own = part[i]
+            a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # every fourth with the others of its place
+            for t in range(0, n - 3, 4):
+                p, q, r, s = own[t], own[t + 1], own[t + 2], own[t + 3]
+                a, b, c, d = a + p * kept[t], b + q * kept[t + 1], c + r * kept[t + 2], d + s * kept[t + 3]
+                e, f, g, h = e + p * inverse[t], f + q * inverse[t + 1], g + r * inverse[t + 2], h + s * inverse[t + 3]
+            rest = n // 4 * 4
+            if rest < n:
+                a, e = a + own[rest] * kept[rest], e + own[rest] * inverse[rest]
+            if rest + 1 < n:
+                b, f = b + own[rest + 1] * kept[rest + 1], f + own[rest + 1] * inverse[rest + 1]
+            if rest + 2 < n:
+                c, g = c + own[rest + 2] * kept[rest + 2], g + own[rest + 2] * inverse[rest + 2]
+            weight[i] *= np.sqrt(((a + b) + (c + d)) / ((e + f) + (g + h)))
 
 
 @compiled

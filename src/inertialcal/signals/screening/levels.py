@@ -155,7 +155,7 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
     return tuple(sorted(found, key=lambda one: one.at))
 
 
-def may_change(n: int, size: int, mean: Array, rough: Array, step: float) -> bool:
+def may_change(n: int, size: int, mean: Array, rough: Array) -> bool:
     """Return whether `noise_changes`, `level_steps` or `slow_wave` may find anything in blocks of n whole samples.
 
     Parameters
@@ -164,13 +164,11 @@ def may_change(n: int, size: int, mean: Array, rough: Array, step: float) -> boo
         Samples of the record, and of a block.
     mean, rough : ndarray, shape (b,)
         Means and variances by block.
-    step : float
-        Of the codes.
     """
     b = len(mean)
     b -= n - (b - 1) * size < FILLED * size  # blocks that count
     given = _noise_limits(b), *_step_limits(b), SAMPLED
-    found = loops_for(n).may_differ(mean[:b], rough[:b], (COARSE * step) ** 2, EVEN, *given)
+    found = loops_for(n).may_differ(mean[:b], rough[:b], EVEN, *given)
     return found or slow_wave(mean[:b], 0.0) is not None
 
 

@@ -209,8 +209,9 @@ class Loops:
             level[:] = weight[0] * part[0]
             for own, row in zip(weight[1:], part[1:], strict=True):
                 level += own * row
-            kept = np.minimum(values, CUT * level) / (level * level)
-            weight *= np.sqrt(_sums(part * kept) / _sums(part * (1.0 / level)))
+            share = 1.0 / level
+            kept = np.minimum(values * share, CUT) * share
+            weight *= np.sqrt(_sums(part * kept) / _sums(part * share))
 
     @staticmethod
     def fill_apart(sums: Array, w: int, out: Array) -> None:
@@ -232,12 +233,9 @@ class Loops:
         return float(apart.min()) if len(apart) else 0.0
 
     @staticmethod
-    def look(
-        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Whole, inf: Whole, ranks: Indices, found: Array
-    ) -> tuple[bool, float, Array, Array, Array, Array, NDArray[np.int32]]:
+    def look(x: NDArray[Any], bits: NDArray[Any], many: int, rank: int, mean: Array, rough: Array) -> bool:
         """Return that this is not all: the searches themselves take no longer here."""
-        none = np.empty(0)
-        return False, 0.0, none, none, none, none, np.empty(0, dtype=np.int32)
+        return False
 
     @staticmethod
     def resolved(rows: Array, times: float, off: float, most: float, converted: float) -> tuple[float, bool]:
@@ -258,16 +256,8 @@ class Loops:
         return step, short
 
     @staticmethod
-    def may_show(
-        x: NDArray[Any], bits: NDArray[Any], size: int, lo: Array, hi: Array, same: NDArray[np.int32], limit: float
-    ) -> bool:  # fmt: skip
-        """Return True, as above."""
-        return True
-
-    @staticmethod
     def may_differ(
-        mean: Array, rough: Array, least: float, even: float, noise_limits: Array, widths: Indices, limits: Array,
-        sampled: int,
+        mean: Array, rough: Array, even: float, noise_limits: Array, widths: Indices, limits: Array, sampled: int
     ) -> bool:  # fmt: skip
         """Return True, as above."""
         return True

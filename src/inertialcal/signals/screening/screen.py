@@ -64,8 +64,8 @@ from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
 from ..remembered import remembered
 from ..time.samples import Flags, Indices
-from .blocks import PIECE, SUBSAMPLE, Blocks, bits_of, blocks_of, pieces, size_of
-from .glitches import FEWEST, Scale, Stretches, far_samples, ranks_of, scale_from, scale_of
+from .blocks import PIECE, SMALLEST, SUBSAMPLE, Blocks, bits_of, blocks_of, pieces
+from .glitches import FEWEST, Scale, Stretches, far_samples, ranks_of, scale_of
 from .held import HELD, Copy, Habits, Held, copies, habits_of, rails, repeats, stuck
 from .levels import FILLED, level_steps, may_change, noise_changes, slow_wave
 from .loops import loops_for
@@ -110,8 +110,10 @@ class Screening:
 
     findings: tuple[Finding, ...]  # at most one a code, in the order of the table above
     samples: int
-    noise: float  # standard deviation that sizes are counted in [unit of the channel]; 0 where it is not known
-    step: float  # smallest difference of neighbours that is not zero [unit of the channel]
+    # noise: standard deviation that sizes are counted in [unit of the channel]; 0 where it is not known
+    # step: smallest difference of neighbours that is not zero [unit of the channel]; both are 0 without findings
+    noise: float
+    step: float
 
     def __contains__(self, code: str) -> bool:
         """Whether there is a finding of a code."""
@@ -191,33 +193,25 @@ def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     x = np.asarray(x)
     if not len(x):
         return Screening((), 0, 0.0, 0.0)
-    sound = _sound(x, at_rest)
-    return _looked_through(x, at_rest) if sound is None else sound
+    found = _sound(x, at_rest) or _looked_through(x, at_rest)
+    return found if found.findings else Screening((), len(x), 0.0, 0.0)
 
 
 def _sound(x: NDArray[Any], at_rest: bool) -> Screening | None:
     """Return what a short record shows in which nothing can be found; None where something may, which is searched.
 
-    Two looks in compiled loops; where these are not at hand, the search takes no longer.
+    A few looks in compiled loops; where these are not at hand, the search takes no longer.
     """
     n, kind = len(x), x.dtype
     if not FEWEST <= n <= SUBSAMPLE or x.ndim > 1 or kind.char not in PLAIN or not kind.isnative:
         return None
     if not x.flags.c_contiguous:
         return None
-    own, flip, inf = bits_of(kind)
-    bits, size, many, loops = x.view(own), size_of(n, x.nbytes), n // PIECE * PIECE, loops_for(n)
-    ranks = ranks_of(many)[0]
-    found = np.empty(len(ranks))
-    good, step, lo, hi, mean, rough, same = loops.look(x, bits, size, flip, inf, ranks, found)
-    if not good:
+    many, loops = n // PIECE * PIECE, loops_for(n)
+    mean, rough = np.empty((2, -(-n // SMALLEST)))
+    if not loops.look(x, x.view(bits_of(kind)[0]), many, ranks_of(many)[0][0], mean, rough):
         return None
-    scale = scale_from(n, many, step, found)
-    if loops.may_show(x, bits, size, lo, hi, same, scale.limit):
-        return None
-    if at_rest and scale.sigma > 0.0 and may_change(n, size, mean, rough, step):
-        return None
-    return Screening((), n, scale.sigma, scale.step)
+    return None if at_rest and may_change(n, SMALLEST, mean, rough) else Screening((), n, 0.0, 0.0)
 
 
 @remembered

@@ -14,7 +14,7 @@ MAD = 1.4826  # standard deviation of normal noise over the median distance from
 TYPICAL = 0.8  # of the mean step of normal noise: its median step is 0.85 of it
 FEW_BLOCKS = 8  # that changes of the noise are looked for in
 NEXT = 4  # blocks on each side of a change
-LANES, AT_ONCE = 64, 1024  # values that are looked at side by side, and while caches hold what is made of them
+AT_ONCE = 64  # steps that are looked at together: few hold any
 STRETCH = 8, 64, 2048  # samples of a line: fewest, those that tell the noise of shorter ones, and most
 
 
@@ -30,39 +30,58 @@ def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Arra
     if _noise_may_change(columns, block, rules[0]):
         return True
     fewest, longer, around, few = sizes
-    size = 1
-    while columns.shape[1] // size >= fewest:
+    means, size = columns, 1
+    while means.shape[1] >= fewest:
         gap = 1 if size == 1 else 2
-        stands_out = may_stand_out(columns, size, gap, around, few, rules[1], rules[2])
+        stands_out = may_stand_out(means, gap, around, few, rules[1], rules[2])
         if stands_out and _may_jump(columns, size, gap, around, few, block, rules):
             return True
-        size *= longer
+        means, size = _joined(means, longer), size * longer
     return False
+
+
+@compiled
+def _joined(columns: Array, size: int) -> Array:
+    """Return the means of so many values each."""
+    channels, many = len(columns), columns.shape[1] // size
+    means = np.empty((channels, many))
+    for channel in range(channels):
+        x, out = columns[channel], means[channel]
+        for k in range(many):
+            y, a, b = x[k * size : (k + 1) * size], 0.0, 0.0
+            for i in range(0, size - 1, 2):
+                a, b = a + y[i], b + y[i + 1]
+            out[k] = (a + b + (y[size - 1] if size % 2 else 0.0)) / size
+    return means
 
 
 @compiled
 def _noise_may_change(columns: Array, block: int, least: float) -> bool:
     """Return whether the noise of blocks may change so much: see ``changes``, of which this is the first part."""
     many = (columns.shape[1] - 2) // block
-    size, off = np.empty(many), 0
-    for x in columns:
-        least_sum, largest_sum, whole = np.inf, 0.0, 0.0
+    second, size, off = np.empty(block), np.empty(many), 0
+    for channel in range(len(columns)):
+        x, least_sum, largest_sum, whole = columns[channel], np.inf, 0.0, 0.0
         for k in range(many):
             y = x[k * block : (k + 1) * block + 2]
-            one, two, three, four = 0.0, 0.0, 0.0, 0.0
-            for i in range(0, block - 3, 4):
-                a, b, c, d, e, f = y[i], y[i + 1], y[i + 2], y[i + 3], y[i + 4], y[i + 5]
-                one, two = one + abs(c - 2.0 * b + a), two + abs(d - 2.0 * c + b)
-                three, four = three + abs(e - 2.0 * d + c), four + abs(f - 2.0 * e + d)
-            for i in range(block // 4 * 4, block):
-                one += abs(y[i + 2] - 2.0 * y[i + 1] + y[i])
-            total = (one + two) + (three + four)
+            here, ahead = y[1:], y[2:]
+            for i in range(len(second)):
+                second[i] = abs(ahead[i] - 2.0 * here[i] + y[i])
+            a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            for i in range(0, block - 7, 8):
+                a, b, c, d = a + second[i], b + second[i + 1], c + second[i + 2], d + second[i + 3]
+                e, f, g, h = e + second[i + 4], f + second[i + 5], g + second[i + 6], h + second[i + 7]
+            for i in range(block // 8 * 8, block):
+                a += second[i]
+            total = ((a + b) + (c + d)) + ((e + f) + (g + h))
             size[k], whole = total, whole + total
             least_sum, largest_sum = min(least_sum, total), max(largest_sum, total)
         if many > 0 and not (least_sum > 0.0 and largest_sum < np.inf):
             return True
         if many >= FEW_BLOCKS:
-            off += _half_lies_off(size, whole / many, np.exp(0.5 * least) * (1.0 - SURE))
+            level, times = whole / many, np.exp(0.5 * least) * (1.0 - SURE)
+            if largest_sum >= level * times or least_sum <= level / times:
+                off += _half_lies_off(size, level, times)
     return off > 0 and 2 * off >= len(columns)  # the median of all channels must change
 
 
@@ -100,16 +119,7 @@ def _may_jump(columns: Array, size: int, gap: int, around: int, few: int, block:
         typical = np.median(step) if below > (room - 1) // 2 else typical
         limit = rules[2] * max(typical, ROUNDED * np.abs(means[channel]).max()) * (1.0 - SURE)
         for i in range(room):
-            if step[i] <= limit:
-                continue
-            beside = 0.0
-            if i >= gap + few:
-                for k in range(max(i - gap - around, 0), i - gap):
-                    beside = max(beside, step[k])
-            if i < room - gap - few:
-                for k in range(i + gap, min(i + gap + around, room)):
-                    beside = max(beside, step[k])
-            if step[i] - rules[1] * beside <= limit:
+            if not _stands_out(step, i, gap, around, few, rules[1], limit):
                 continue
             at = i + 1 if size == 1 else _best_split(columns, i * size, (i + gap + 1) * size)
             if _may_be_clear(columns, at, block, rules):
@@ -219,78 +229,60 @@ def _white(part: Array) -> float:
 
 
 @compiled
-def _largest(x: Array) -> float:
-    """Return the largest of values; of none minus infinity."""
-    found = np.full(LANES, -np.inf)
-    rows = len(x) // LANES
-    for k in range(rows):
-        part = x[k * LANES : (k + 1) * LANES]
-        for i in range(LANES):
-            found[i] = part[i] if part[i] > found[i] else found[i]
-    most = -np.inf
-    for value in found:
-        most = value if value > most else most
-    for value in x[rows * LANES :]:
-        most = value if value > most else most
-    return float(most)
-
-
-@compiled
-def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
-    """Return whether a step between means of so many samples may stand out of those beside it in any channel.
+def may_stand_out(means: Array, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
+    """Return whether a step between means (channels, n) may stand out of those beside it in any channel.
 
     That is: by ``least`` times the median step beyond ``abrupt`` times the largest of its neighbours, ``around`` on
-    each side, where there are more than ``few``. No median is taken: steps below a limit are counted.
+    each side, where there are more than ``few``. A median is taken only where most steps are small for their mean.
     """
-    channels, n = columns.shape
-    many, room = n // size, n // size - gap
-    means, step, beside = np.empty(many), np.empty(room), np.empty(AT_ONCE)
+    channels, many = means.shape
+    room = many - gap
+    step = np.empty(room)
     for channel in range(channels):
-        x = columns[channel]
-        if size > 1:
-            for i in range(many):
-                total = 0.0
-                for value in x[i * size : (i + 1) * size]:
-                    total += value
-                means[i] = total / size
-            x = means
+        x = means[channel]
         ahead = x[gap:]
         for i in range(room):
             step[i] = abs(ahead[i] - x[i])
-        largest, most, first = _largest(np.abs(x[:many])), -np.inf, gap + around
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        for i in range(0, room - 3, 4):
+            a, b, c, d = a + step[i], b + step[i + 1], c + step[i + 2], d + step[i + 3]
+        typical, below = TYPICAL * ((a + b) + (c + d)) / room, 0  # no larger than the median, mostly
+        for i in range(room):
+            below += step[i] < typical
+        if below > (room - 1) // 2:
+            typical = np.median(step)
+        if not typical > 0.0:
+            typical = ROUNDED * np.abs(x).max()
+        limit, first = least * typical * (1.0 - SURE), gap + around
         last = max(room - first, first)
         for start in range(first, last, AT_ONCE):
-            m = min(AT_ONCE, last - start)
-            before, after, here, wide = step[start - first :], step[start + gap :], step[start:], beside[:m]
-            for i in range(m):
-                wide[i] = before[i] if before[i] > after[i] else after[i]
-            for k in range(1, around):
-                earlier, later = before[k:], after[k:]
-                for i in range(m):
-                    other = earlier[i] if earlier[i] > later[i] else later[i]
-                    wide[i] = wide[i] if wide[i] > other else other
-            for i in range(m):
-                wide[i] = here[i] - abrupt * wide[i]
-            most = max(most, _largest(wide))
-        i = 0
-        while i < room:
-            if first <= i < last:
-                i = last
-                continue
-            widest = 0.0
-            if i >= gap + few:
-                for value in step[max(i - first, 0) : i - gap]:
-                    widest = max(widest, value)
-            if i < room - gap - few:
-                for value in step[i + gap : i + first]:
-                    widest = max(widest, value)
-            most = max(most, step[i] - abrupt * widest)
-            i += 1
-        if most <= -ROUNDED * largest:
-            continue
-        limit, below = (most + ROUNDED * largest) * (1.0 + ROUNDED) / least, 0
-        for i in range(room):
-            below += step[i] < limit
-        if below > (room - 1) // 2:
-            return True
+            size, found = min(AT_ONCE, last - start), 0  # that stand out of the nearest step on each side
+            before, here, after = step[start - gap - 1 :], step[start:], step[start + gap :]
+            for i in range(size):
+                beside = before[i] if before[i] > after[i] else after[i]
+                found += here[i] - abrupt * beside > limit
+            if found > 0:
+                for i in range(start, start + size):
+                    beside = max(step[i - gap - 1], step[i + gap])
+                    if step[i] - abrupt * beside > limit and _stands_out(step, i, gap, around, few, abrupt, limit):
+                        return True
+        for ends in ((0, min(first, room)), (last, room)):
+            for i in range(ends[0], ends[1]):
+                if _stands_out(step, i, gap, around, few, abrupt, limit):
+                    return True
     return False
+
+
+@compiled
+def _stands_out(step: Array, i: int, gap: int, around: int, few: int, abrupt: float, limit: float) -> bool:
+    """Return whether a step exceeds ``abrupt`` times the largest of those beside it by more than a limit."""
+    beside, room = 0.0, len(step)
+    if step[i] <= limit:
+        return False
+    if i >= gap + few:
+        for k in range(max(i - gap - around, 0), i - gap):
+            beside = max(beside, step[k])
+    if i < room - gap - few:
+        for k in range(i + gap, min(i + gap + around, room)):
+            beside = max(beside, step[k])
+    return bool(step[i] - abrupt * beside > limit)

@@ -36,7 +36,7 @@ class Loops:
     """The loops of ``_kernels`` where these take too long to load."""
 
     @staticmethod
-    def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
+    def may_stand_out(means: Array, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
         """Return True: the search itself takes no longer."""
         return True
 
@@ -224,10 +224,10 @@ def candidates(x: Array) -> list[int]:
     size = 1
     while len(x) // size >= FEWEST:
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
-        if not loops_for(len(x)).may_stand_out(columns, size, gap, NEIGHBOURS, BEFORE, ABRUPT, LEAST):
+        means = _block_means(columns, size) if size > 1 else columns
+        if not loops_for(len(x)).may_stand_out(means, gap, NEIGHBOURS, BEFORE, ABRUPT, LEAST):
             size *= LONGER
             continue
-        means = _block_means(columns, size) if size > 1 else columns
         step = np.abs(means[:, gap:] - means[:, :-gap])
         typical = np.maximum(medians(step), 1e-9 * np.abs(means).max(axis=1))[:, None]
         some = np.flatnonzero((step > LEAST * typical).any(axis=0))
