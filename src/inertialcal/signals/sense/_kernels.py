@@ -11,10 +11,11 @@ from ...statistics._kernels import compiled
 ROUNDED = 1e-9  # relative, more than means may differ by rounding
 SURE = 1e-6  # relative, more than what is judged may differ by rounding
 MAD = 1.4826  # standard deviation of normal noise over the median distance from its median
-TYPICAL = 0.8  # of the mean step of normal noise: its median step is 0.85 of it
+TYPICAL = 0.83  # of the mean step of normal noise: its median step is 0.85 of it
 FEW_BLOCKS = 8  # that changes of the noise are looked for in
 NEXT = 4  # blocks on each side of a change
-AT_ONCE = 64  # steps that are looked at together: few hold any
+AT_ONCE = 64  # steps that are looked at together: few hold any that stands out
+ROOM = 1024  # steps that stand out: where there are more, only the search tells
 STRETCH = 8, 64, 2048  # samples of a line: fewest, those that tell the noise of shorter ones, and most
 
 
@@ -30,12 +31,16 @@ def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Arra
     if _noise_may_change(columns, block, rules[0]):
         return True
     fewest, longer, around, few = sizes
-    means, size = columns, 1
+    means, size, places = columns, 1, np.empty(ROOM, dtype=np.int64)
     while means.shape[1] >= fewest:
         gap = 1 if size == 1 else 2
-        stands_out = may_stand_out(means, gap, around, few, rules[1], rules[2])
-        if stands_out and _may_jump(columns, size, gap, around, few, block, rules):
+        found = fill_standing_out(means, gap, around, few, rules[1], rules[2], places)
+        if found > len(places):
             return True
+        for i in places[:found]:
+            at = i + 1 if size == 1 else _best_split(columns, i * size, (i + gap + 1) * size)
+            if _may_be_clear(columns, at, block, rules):
+                return True
         means, size = _joined(means, longer), size * longer
     return False
 
@@ -98,31 +103,6 @@ def _half_lies_off(values: Array, level: float, times: float) -> bool:
             value = values[n - 1 - k] if way else values[k]
             above, below = above + (value >= high), below + (value <= low)
             if k + 1 >= NEXT and 2 * max(above, below) >= k + 1:
-                return True
-    return False
-
-
-@compiled
-def _may_jump(columns: Array, size: int, gap: int, around: int, few: int, block: int, rules: Array) -> bool:
-    """Return whether a step between means of so many samples that stands out may be a clear jump."""
-    channels, n = columns.shape
-    many, room = n // size, n // size - gap
-    means = np.empty((channels, many))
-    for channel in range(channels):
-        for k in range(many):
-            means[channel, k] = np.mean(columns[channel, k * size : (k + 1) * size])
-    for channel in range(channels):
-        step = np.abs(means[channel, gap:] - means[channel, :-gap])
-        typical, below = TYPICAL * np.mean(step), 0  # no larger than the median, mostly
-        for i in range(room):
-            below += step[i] < typical
-        typical = np.median(step) if below > (room - 1) // 2 else typical
-        limit = rules[2] * max(typical, ROUNDED * np.abs(means[channel]).max()) * (1.0 - SURE)
-        for i in range(room):
-            if not _stands_out(step, i, gap, around, few, rules[1], limit):
-                continue
-            at = i + 1 if size == 1 else _best_split(columns, i * size, (i + gap + 1) * size)
-            if _may_be_clear(columns, at, block, rules):
                 return True
     return False
 
@@ -229,14 +209,17 @@ def _white(part: Array) -> float:
 
 
 @compiled
-def may_stand_out(means: Array, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
-    """Return whether a step between means (channels, n) may stand out of those beside it in any channel.
+def fill_standing_out(
+    means: Array, gap: int, around: int, few: int, abrupt: float, least: float, at: NDArray[np.int64]
+) -> int:  # fmt: skip
+    """Fill which steps between means (channels, n) may stand out of those beside them in any channel.
 
     That is: by ``least`` times the median step beyond ``abrupt`` times the largest of its neighbours, ``around`` on
     each side, where there are more than ``few``. A median is taken only where most steps are small for their mean.
+    Returns how many there are, room or not.
     """
     channels, many = means.shape
-    room = many - gap
+    room, found = many - gap, 0
     step = np.empty(room)
     for channel in range(channels):
         x = means[channel]
@@ -256,21 +239,22 @@ def may_stand_out(means: Array, gap: int, around: int, few: int, abrupt: float, 
         limit, first = least * typical * (1.0 - SURE), gap + around
         last = max(room - first, first)
         for start in range(first, last, AT_ONCE):
-            size, found = min(AT_ONCE, last - start), 0  # that stand out of the nearest step on each side
+            size, some = min(AT_ONCE, last - start), 0  # that stand out of the nearest step on each side
             before, here, after = step[start - gap - 1 :], step[start:], step[start + gap :]
             for i in range(size):
                 beside = before[i] if before[i] > after[i] else after[i]
-                found += here[i] - abrupt * beside > limit
-            if found > 0:
-                for i in range(start, start + size):
-                    beside = max(step[i - gap - 1], step[i + gap])
-                    if step[i] - abrupt * beside > limit and _stands_out(step, i, gap, around, few, abrupt, limit):
-                        return True
+                some += here[i] - abrupt * beside > limit
+            for i in range(start, start + size if some > 0 else start):
+                beside = max(step[i - gap - 1], step[i + gap])
+                if step[i] - abrupt * beside > limit and _stands_out(step, i, gap, around, few, abrupt, limit):
+                    at[min(found, len(at) - 1)] = i
+                    found += 1
         for ends in ((0, min(first, room)), (last, room)):
             for i in range(ends[0], ends[1]):
                 if _stands_out(step, i, gap, around, few, abrupt, limit):
-                    return True
-    return False
+                    at[min(found, len(at) - 1)] = i
+                    found += 1
+    return found
 
 
 @compiled

@@ -36,9 +36,11 @@ class Loops:
     """The loops of ``_kernels`` where these take too long to load."""
 
     @staticmethod
-    def may_stand_out(means: Array, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
-        """Return True: the search itself takes no longer."""
-        return True
+    def fill_standing_out(
+        means: Array, gap: int, around: int, few: int, abrupt: float, least: float, at: Indices
+    ) -> int:  # fmt: skip
+        """Return that there may be some: the search itself takes no longer."""
+        return 1
 
     @staticmethod
     def may_change(columns: Array, block: int, sizes: NDArray[np.int64], rules: Array) -> bool:
@@ -220,12 +222,12 @@ def _jumps_at(columns: Array, places: Sequence[int], cut: NDArray[np.bool_]) -> 
 def candidates(x: Array) -> list[int]:
     """Return the samples at which the record jumps: the step is far larger than those beside it."""
     found: dict[int, float] = {}  # how far each step stands out
-    columns = np.ascontiguousarray(x.T)
+    columns, first = np.ascontiguousarray(x.T), np.empty(1, dtype=np.int64)
     size = 1
     while len(x) // size >= FEWEST:
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
         means = _block_means(columns, size) if size > 1 else columns
-        if not loops_for(len(x)).may_stand_out(means, gap, NEIGHBOURS, BEFORE, ABRUPT, LEAST):
+        if not loops_for(len(x)).fill_standing_out(means, gap, NEIGHBOURS, BEFORE, ABRUPT, LEAST, first):
             size *= LONGER
             continue
         step = np.abs(means[:, gap:] - means[:, :-gap])
