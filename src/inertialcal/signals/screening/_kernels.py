@@ -596,8 +596,8 @@ def _count_far(x: Samples, m: int, apart: float, mean: Array) -> int:
             code = (np.float64(part[i]) - level) * scale + 128.0
             codes[i] = np.int8(np.int32(min(max(code, 0.0), 255.0)) - 128)
         for i in range(size):
-            code = np.int32(codes[SIDE + i])
-            low[i], high[i] = np.int8(max(code - STEPS, -128)), np.int8(min(code + STEPS, 127))
+            own_code = int(codes[SIDE + i])
+            low[i], high[i] = np.int8(max(own_code - STEPS, -128)), np.int8(min(own_code + STEPS, 127))
             below[i], above[i] = 0, 0
         for j in range(0, WINDOW - 3, 4):
             w, w1, w2, w3 = codes[j:], codes[j + 1 :], codes[j + 2 :], codes[j + 3 :]
