@@ -270,11 +270,7 @@ class _Piece(NamedTuple):
 
     table: pa.Table
     rows: range | NDArray[np.intp]
-
-    @property
-    def nbytes(self) -> float:
-        """Bytes that they take, about."""
-        return float(self.table.nbytes * len(self.rows) / max(len(self.table), 1))
+    nbytes: float  # That they take, about
 
 
 def _joined(pieces: Sequence[_Piece]) -> pa.Table:
@@ -431,9 +427,10 @@ class Delivery:
             else:
                 tables = _groups(footers, serials, system)
             for table in tables:
+                of_row = table.nbytes / max(len(table), 1)
                 for key, rows in _rows_by_key(table, shared.columns).items():
                     if key in wanted:
-                        found.setdefault(key, []).append(_Piece(table, rows))
+                        found.setdefault(key, []).append(_Piece(table, rows, of_row * len(rows)))
         return found
 
     def root(self, number: int) -> Path:
@@ -606,7 +603,7 @@ def _groups(footers: Sequence[_Footer], serials: Sequence[str], system: pa_fs.Fi
 
 def _rows_by_key(table: pa.Table, names: Sequence[str]) -> dict[Key, range | NDArray[np.intp]]:
     """Return the rows of each combination of the cells of some columns as text, in their order."""
-    runs = [_runs(table[name].combine_chunks()) for name in names]
+    runs = [_runs(one.chunk(0) if one.num_chunks == 1 else one.combine_chunks()) for one in map(table.column, names)]
     stops = np.unique(np.concatenate([ends for ends, _ in runs]))  # of each run of equal cells
     own = [[texts[at] for at in np.searchsorted(ends, stops).tolist()] for ends, texts in runs]
     pieces: dict[Key, list[tuple[int, int]]] = {}
@@ -628,7 +625,15 @@ def _runs(column: pa.Array) -> tuple[NDArray[np.intp], list[str]]:
     """Return where each run of equal cells ends, and their text; that of a null is empty."""
     coded = pa.types.is_dictionary(column.type)
     column = column.cast(pa.string()) if pa.types.is_string_view(column.type) else column
-    found = pc.run_end_encode(column.indices if coded else column)
-    values = column.dictionary.take(found.values) if coded else found.values
-    texts = ["" if one is None else str(one) for one in values.cast(pa.string()).to_pylist()]
-    return found.run_ends.to_numpy().astype(np.intp), texts
+    codes = column.indices if coded else column
+    if pa.types.is_integer(codes.type) and not codes.null_count:
+        numbers = codes.to_numpy()
+        is_last = np.ones(len(numbers), dtype=bool)
+        np.not_equal(numbers[1:], numbers[:-1], out=is_last[:-1])
+        ends = np.flatnonzero(is_last) + 1
+        values = codes.take(pa.array(ends - 1))
+    else:
+        found = pc.run_end_encode(codes)
+        ends, values = found.run_ends.to_numpy().astype(np.intp), found.values
+    values = column.dictionary.take(values) if coded else values
+    return ends, ["" if one is None else str(one) for one in values.cast(pa.string()).to_pylist()]

@@ -116,7 +116,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
-    return _content(columns, schema.metadata or {}, loaded.path)
+    return _content(columns, _rates_of(schema.metadata), loaded.path)
 
 
 def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> Iterator[Content | DataError]:
@@ -152,7 +152,7 @@ def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> I
         for i, field in enumerate(flat.schema):
             if types.is_dictionary(field.type) and (column := _labels(flat.column(i), field)) is not None:
                 whole[i] = column
-    metadata = table.schema.metadata or {}
+    rates = _rates_of(table.schema.metadata)
     others = [(i, field) for i, field in enumerate(flat.schema) if i not in whole]
     for part, path in zip(parts, paths, strict=True):
         columns = {i: _rows_of(column, part) for i, column in whole.items()}
@@ -163,7 +163,7 @@ def contents_of(table: Table, parts: Sequence[range], paths: Sequence[str]) -> I
         except DataError as error:
             yield error
         else:
-            yield _content([columns[i] for i in range(len(columns))], metadata, path)
+            yield _content([columns[i] for i in range(len(columns))], rates, path)
 
 
 def _labels(values: ChunkedArray, field: Field) -> Column | None:
@@ -194,14 +194,24 @@ def _rows_of(column: Column | str, part: range) -> Column | str:
     return replace(column, values=values, empty=gone, not_a_number=nan)
 
 
-def _content(columns: Sequence[Column | str], metadata: dict[bytes, bytes], path: str) -> Content:
+def _rates_of(metadata: dict[bytes, bytes] | None) -> tuple[float | None, ClockRate | None]:
+    """Return the sample rate, and how well that of the stamps is known, as the metadata of a file say them."""
+    known = metadata or {}
+    return sample_rate_of(known), clock_of(known.get(CLOCK_KEY, b""))
+
+
+def _content(
+    columns: Sequence[Column | str], rates: tuple[float | None, ClockRate | None], path: str
+) -> Content:
     """Return the content of a file by its columns, and the names of what is no column."""
-    kept = tuple(column for column in columns if isinstance(column, Column))
-    left_out = [name for name in columns if isinstance(name, str)]
-    what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
-    remark = Remark("variables_left_out", "info", what, where=path, count=len(left_out))
-    rate, clock = sample_rate_of(metadata), clock_of(metadata.get(CLOCK_KEY, b""))
-    return Content(kept, "Parquet", None, rate, (remark,) if left_out else (), clock=clock)
+    kept = tuple([column for column in columns if isinstance(column, Column)])
+    remarks: tuple[Remark, ...] = ()
+    if len(kept) < len(columns):
+        left_out = [name for name in columns if isinstance(name, str)]
+        what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
+        remarks = (Remark("variables_left_out", "info", what, where=path, count=len(left_out)),)
+    rate, clock = rates
+    return Content(kept, "Parquet", None, rate, remarks, clock=clock)
 
 
 def _refuse_twice(names: Sequence[str], path: str) -> None:
