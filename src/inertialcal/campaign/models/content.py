@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from ...core.key import Reason
+from ...core.key import NO_REASON, Reason
 from ...core.remarks import Remark
 from ...core.results import Row, finite, not_estimated
 from ...core.units import factor, kind
@@ -24,7 +24,7 @@ def named_models(campaign: Campaign, modelled: Modelled | None) -> dict[str, tup
 
 
 def parameter_rows(modelled: JudgedModel) -> list[Row]:
-    """Return rows of the parameters of a model: what goes into model.json."""
+    """Return rows of the parameters of a model, what goes into model.json: first those of its estimate, in order."""
     if modelled.model is None:
         return []
     estimate = modelled.model.estimate
@@ -33,7 +33,7 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
         numbers = estimate.values.tolist(), estimate.u.tolist(), estimate.dof.tolist()
         ends = t_intervals(estimate.values, estimate.u, estimate.dof)
         rows = [
-            Row(key, value, u, unit, None if dof == math.inf else dof, each)
+            Row.of_own(key, value, u, unit, None if dof == math.inf else dof, each, NO_REASON)
             for key, unit, value, u, dof, each in zip(estimate.keys, estimate.units, *numbers, ends, strict=True)
         ]
     reasons = modelled.model.not_estimated

@@ -156,10 +156,9 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
     found = [figure for one in tested for figure in _of_test(campaign, one)]
     for name, (unit, one) in named_models(campaign, modelled).items():
         estimate = None if one.model is None else one.model.estimate
-        for row in parameter_rows(one):
-            known = estimate is not None and row.u is not None
-            at = estimate.index(row.key) if estimate is not None and known else 0
-            found.append(Figure(row, unit, name, one.condition, estimate if known else None, at))
+        rows, count = parameter_rows(one), 0 if estimate is None else len(estimate.keys)
+        found += [Figure(row, unit, name, one.condition, estimate, at) for at, row in enumerate(rows[:count])]
+        found += [Figure(row, unit, name, one.condition) for row in rows[count:]]
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -174,7 +173,7 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
             Figure(row, unit, row.test, condition) for row, condition in stated
             if (row.test, row.key, row.case._replace(condition=condition)) not in known_rows
         ]  # fmt: skip
-    rows = [
+    verdict_rows = [
         _verdict_row(
             verdict,
             sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
@@ -182,7 +181,7 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
         )
         for verdict, asked in judged
     ]
-    return Figures(found, rows, judged, campaign.standards)
+    return Figures(found, verdict_rows, judged, campaign.standards)
 
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
@@ -198,20 +197,20 @@ def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
 def _of_test(campaign: Campaign, one: ReducedTest) -> list[Figure]:
     """Return the figures of a test."""
     name, condition, plain = one.test.id, one.test.condition, Method.RESULT
-    kinds = {row.key.sensor for row in one.rows}
+    kinds = dict.fromkeys([row.key.sensor for row in one.rows])
     units = {kind: sensor_of(campaign, one.test, kind).unit for kind in kinds}
     known = {kind: _known(one, kind) for kind in kinds if kind in one.parts}
     nothing: tuple[Estimate | None, Mapping[Key, int]] = None, {}
     found = []
     for row in one.rows:
-        kind = row.key.sensor
+        key = row.key
         if row.u is not None and row.method is plain and row.member is None:
-            estimate, at = known.get(kind, nothing)
-            place = at.get(row.key)
+            estimate, at = known.get(key.sensor, nothing)
+            place = at.get(key)
             if place is not None:
-                found.append(Figure(row, units[kind], name, condition, estimate, place))
+                found.append(Figure(row, units[key.sensor], name, condition, estimate, place))
                 continue
-        found.append(Figure(row, units[kind], name, condition))
+        found.append(Figure(row, units[key.sensor], name, condition))
     return found
 
 

@@ -200,9 +200,7 @@ def _rates_of(metadata: dict[bytes, bytes] | None) -> tuple[float | None, ClockR
     return sample_rate_of(known), clock_of(known.get(CLOCK_KEY, b""))
 
 
-def _content(
-    columns: Sequence[Column | str], rates: tuple[float | None, ClockRate | None], path: str
-) -> Content:
+def _content(columns: Sequence[Column | str], rates: tuple[float | None, ClockRate | None], path: str) -> Content:
     """Return the content of a file by its columns, and the names of what is no column."""
     kept = tuple([column for column in columns if isinstance(column, Column)])
     remarks: tuple[Remark, ...] = ()
