@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
@@ -32,6 +33,7 @@ from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_
 from .results_table import is_results, results_columns
 
 SHOWN = 4  # cells of a column
+SHORT = 4_096  # cells of a column whose texts are kept
 
 
 class NumberCells(Sequence[str]):
@@ -55,6 +57,11 @@ class NumberCells(Sequence[str]):
         return tuple(map(str, self._stored.tolist()))
 
     @property
+    def labels(self) -> NDArray[np.str_]:
+        """The same as an array, shape (n,), read-only."""
+        return _numbered(self._stored.tobytes(), self._stored.dtype)
+
+    @property
     def all_differ(self) -> bool:
         """Whether no two are equal."""
         ordered = np.sort(self.values)
@@ -73,6 +80,18 @@ class NumberCells(Sequence[str]):
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._texts)
+
+
+@lru_cache(maxsize=64)  # the same in the tables of all units of a lot
+def _labels(cells: tuple[str, ...]) -> NDArray[np.str_]:
+    found = np.array(cells, dtype=str)
+    found.flags.writeable = False
+    return found
+
+
+@lru_cache(maxsize=64)
+def _numbered(stored: bytes, dtype: np.dtype[np.integer | np.floating]) -> NDArray[np.str_]:
+    return _labels(tuple(map(str, np.frombuffer(stored, dtype).tolist())))
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +162,19 @@ class Table:
             If there is none of that name.
         """
         return tuple(self.cells[self.index(name)])
+
+    def labels(self, name: str) -> NDArray[np.str_]:
+        """Cells of a column as they stand in the file, shape (n,), read-only; of equal short columns they are made once.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name.
+        """
+        cells = self.cells[self.index(name)]
+        if len(cells) > SHORT:
+            return np.array(tuple(cells), dtype=str)
+        return cells.labels if isinstance(cells, NumberCells) else _labels(tuple(cells))
 
     def all_differ(self, name: str) -> bool:
         """Return whether a column is one of numbers no two of which are equal."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,29 @@ Labels = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
+class Places(Sequence[str]):
+    """Places of the rows of a file, ``"rates.csv:12"``: text is made where it is read."""
+
+    file: str  # As messages call it
+    rows: NDArray[np.int64]  # shape (n,): of the file, counted from 1
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, at: int) -> str: ...
+    @overload
+    def __getitem__(self, at: slice) -> Sequence[str]: ...
+    def __getitem__(self, at: int | slice) -> str | Sequence[str]:
+        """Return one place, or some."""
+        return Places(self.file, self.rows[at]) if isinstance(at, slice) else f"{self.file}:{self.rows[at]}"
+
+    def take(self, keep: NDArray[np.bool_]) -> Places:
+        """Return the places for which ``keep`` holds."""
+        return Places(self.file, self.rows[keep])
+
+
+@dataclass(frozen=True, eq=False)
 class Readings:
     """Dwells, a row each."""
 
@@ -37,7 +60,7 @@ class Readings:
     group: Labels | None = None  # shape (n,): sample set; empty where not given
     run: Labels | None = None  # shape (n,): power-up; empty where not given
     recording: Labels | None = None  # shape (n,): name of the recording or table that the dwell comes from
-    where: tuple[str, ...] = ()  # Place of each row, for messages
+    where: Sequence[str] = ()  # Place of each row, for messages
     sensors: tuple[str, ...] = ()  # Axes of all sensors of the unit, read or not
     # shape (n, 3): earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the
     # table's rate
@@ -82,7 +105,9 @@ class Readings:
             earth=None if self.earth is None else self.earth[keep],
             earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
             taken_off={name: one.take(keep) for name, one in self.taken_off.items()},
-            where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
+            where=self.where.take(keep) if isinstance(self.where, Places) else (
+                tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else ()
+            ),
             incomplete=None if self.incomplete is None else self.incomplete[keep],
             traces=(),
         )

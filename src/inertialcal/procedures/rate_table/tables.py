@@ -21,7 +21,7 @@ from ...files.text.table import Table
 from ..protocol import Source
 from .entry import Columns, RateTableEntry, Rows
 from .plan import Plan
-from .readings import Readings
+from .readings import Places, Readings
 
 Mask = NDArray[np.bool_]
 
@@ -65,10 +65,10 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
         outputs=_outputs(source),
         scatters=_scatters(source),
         samples=None if rows.samples is None else table.numbers(rows.samples),
-        group=None if rows.group is None else np.array(table.text(rows.group), dtype=str),
-        run=None if rows.run is None else np.array(table.text(rows.run), dtype=str),
+        group=None if rows.group is None else table.labels(rows.group),
+        run=None if rows.run is None else table.labels(rows.run),
         recording=np.full(len(table), given.name),
-        where=tuple([f"{file}:{row}" for row in table.rows.tolist()]),
+        where=Places(file, table.rows),
         sensors=tuple(given.facts.axes),
         remarks=tuple(remarks),
     )
@@ -79,12 +79,11 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
 
 def _axis(source: _Table) -> NDArray[Any]:
     if source.rows.axis is not None:
-        found = np.array(source.table.text(source.rows.axis), dtype=str)
-        for i, value in enumerate(found):
-            if value not in source.source.facts.axes:
-                where = source.table.where(i)
-                have = ", ".join(source.source.facts.axes)
-                raise DataError(f"column {source.rows.axis!r}: axis {value!r}", where, do=f"The sensor has: {have}")
+        found, axes = source.table.labels(source.rows.axis), source.source.facts.axes
+        if not {*found.tolist()} <= {*axes}:
+            at = int(np.flatnonzero(~np.isin(found, axes))[0])
+            what, have = f"column {source.rows.axis!r}: axis {found[at]!r}", ", ".join(axes)
+            raise DataError(what, source.table.where(at), do=f"The sensor has: {have}")
         return found
     axis = source.plan.axis or None
     if not axis:
