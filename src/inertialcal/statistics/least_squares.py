@@ -32,7 +32,7 @@ from ..core.estimate import Array
 
 APART = 1e-6  # share of a column that others leave, below which its decomposition is made anew
 NEGLIGIBLE = 1e-7  # share of a (unit length) column in a combination below which it is not named
-ALIKE = 100.0  # over what columns at right angles have: from where on coefficients are refined
+ALIKE = 1e4  # over what columns at right angles have: from where on coefficients are refined
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ from ...core.unknowns import Unknowns
 from ...statistics.polynomial import powers_from_series
 from ..corrections import factors
 from .fit.law import Law, gathered
-from .fit.quantities import ORDER, Asked, Wanted, earth_along, estimates, power_unit
+from .fit.quantities import ORDER, REFERENCE, THERMOMETER, Asked, Wanted, earth_along, estimates, power_unit
 from .plan import Plan
 from .recordings import TEMPERATURE
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
+IN_BOTH = {"thermometer.temperature": THERMOMETER, "converter.reference": REFERENCE}  # what drops out, as it is called
 PATH = "sensor.hysteresis"
 DWELL = "dwell"  # place of a value: number of a recording
 TAKEN = "bias_taken_off"
@@ -221,6 +222,48 @@ def sources_of_each(results: Sequence[Result], levels: Sequence[Mapping[str, flo
             acting = [part for part in estimate.components if (part.covariance.diagonal() > 0.0).any()]
             found.append((estimate, [(part, _changes(estimate, part, own)) for part in acting]))
     return found
+
+
+def sources_of_laws(results: Sequence[Result]) -> list[Known | DataError]:
+    """Return the coefficients of the laws of each of several results, and what is not known of them, likewise.
+
+    They are part of what the results hold, but where one path alone was seen.
+    """
+    whole = [all(law.midway for law in one.laws.values()) for one in results]
+    rest = iter(sources_of_each([one for one, held in zip(results, whole, strict=True) if not held]))
+    laws = [law for one, held in zip(results, whole, strict=True) if held for law in one.laws.values()]
+    unknown = iter(_factors(laws))
+    found: list[Known | DataError] = []
+    for one, held in zip(results, whole, strict=True):
+        if not held:
+            found.append(next(rest))
+            continue
+        own = [(law, one.asked[axis][0], next(unknown)) for axis, law in one.laws.items()]
+        keys, units, at = ((), (), np.zeros(0, dtype=np.intp)) if one.estimate is None else _laws_in(
+            one.estimate.keys, one.estimate.units
+        )
+        if one.estimate is None or not keys:
+            found.append((None, []))
+            continue
+        standards, grid = one.plan.standards, (at[:, None], at)
+        left = [standards[name].origin(words) for name, words in IN_BOTH.items() if name in standards]
+        parts = []
+        for part in one.estimate.components:
+            covariance = part.covariance[grid]
+            if part.given not in left and (covariance.diagonal() > 0.0).any():
+                dof = part.dof if isinstance(part.dof, float) else part.dof[at]
+                changes = None if part.changes is None else part.changes[:, at]
+                parts.append(part.changed(covariance=covariance, dof=dof, changes=changes))
+        estimate = Estimate.of_own(keys, one.estimate.values[at], units, tuple(parts))
+        found.append((estimate, [(part, _changes(estimate, part, own)) for part in parts]))
+    return found
+
+
+@lru_cache(maxsize=256)  # the same of all units of a lot
+def _laws_in(keys: tuple[Key, ...], units: tuple[str, ...]) -> tuple[tuple[Key, ...], tuple[str, ...], NDArray[np.intp]]:
+    """Return keys, units and places of the coefficients of laws among values."""
+    at = [i for i, key in enumerate(keys) if key.at is None and key.quantity in ("bias", "bias_temperature")]
+    return tuple([keys[i] for i in at]), tuple([units[i] for i in at]), np.array(at, dtype=np.intp)
 
 
 def _factors(laws: Sequence[Law]) -> list[Array]:

@@ -22,7 +22,7 @@ from ...core.key import AXES, Key, Origin
 from ...sensors.model.sensor_model import Provenance
 from ..model_terms import ModelTerms
 from ..protocol import Tested
-from .correction import Known, ThermalCorrection, dof_of_sensors, sources_of, sources_of_each
+from .correction import Known, ThermalCorrection, dof_of_sensors, sources_of_laws
 from .reduction import Result
 
 HYSTERESIS = "bias_hysteresis"
@@ -30,12 +30,12 @@ HYSTERESIS = "bias_hysteresis"
 
 def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> ModelTerms | None:
     """Return the bias over temperature; None where nothing of it has an uncertainty."""
-    return _terms(result, tests, sources_of(ThermalCorrection(tests[0].id, result)))
+    return model_terms_many([(result, tests)])[0]
 
 
 def model_terms_many(given: Sequence[tuple[Result, Sequence[Tested[Any, Any, Any]]]]) -> list[ModelTerms | None]:
     """Return the same of each of many results, with the tests behind each."""
-    known = sources_of_each([result for result, _ in given])
+    known = sources_of_laws([result for result, _ in given])
     for one in known:
         if isinstance(one, DataError):
             raise one

@@ -141,3 +141,50 @@ def fill_roots(squares: Array, roots: Array) -> None:
                 for k in range(i, j):
                     total += factor[j, k] * root[k, i]
                 root[j, i] = -total / factor[j, j]
+
+
+@compiled
+def fill_bases(basis: Array, transform: Array, length: Array) -> float:
+    """Turn columns of matrices, shape (m, n, p), into orthonormal ones, each less its part along those before, twice.
+
+    ``columns @ transform``, (m, p, p), gives them; ``length``, (m, p), is filled in with the lengths of the columns.
+    Returns the least share of a column that those before it leave; 0, the rest unfilled, where one is of no length.
+    """
+    n, p = basis.shape[1:]
+    along, total, least = np.empty(p), np.empty(p), 1.0
+    for m in range(len(basis)):
+        own, turned = basis[m], transform[m]
+        turned[:] = 0.0
+        for j in range(p):
+            square = 0.0
+            for k in range(n):
+                square += own[k, j] * own[k, j]
+            length[m, j] = np.sqrt(square)
+            total[:j] = 0.0
+            for _ in range(2):
+                along[:j] = 0.0
+                for k in range(n):
+                    for i in range(j):
+                        along[i] += own[k, i] * own[k, j]
+                square = 0.0
+                for k in range(n):
+                    left = own[k, j]
+                    for i in range(j):
+                        left -= along[i] * own[k, i]
+                    own[k, j] = left
+                    square += left * left
+                for i in range(j):
+                    total[i] += along[i]
+            size = np.sqrt(square)
+            if not size > 0.0:
+                return 0.0
+            least = min(least, size / length[m, j])
+            for k in range(n):
+                own[k, j] /= size
+            turned[j, j] = 1.0 / size
+            for i in range(j):
+                part = 0.0
+                for q in range(i, j):
+                    part += turned[i, q] * total[q]
+                turned[i, j] = -part / size
+    return least

@@ -54,9 +54,10 @@ from ....statistics.clustered import (
     members_of,
 )
 from ....statistics.intervals import coverage_factor
-from ....statistics.least_squares import Decomposed, Fit, decompose, fit, fit_each, times
+from ....statistics.least_squares import APART, Decomposed, Fit, decompose, fit, fit_each, times
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_numbered
+from ._kernels_cells import fill_bases
 from .cells import Cells, Indices, Once
 
 Level = Literal["run", "ramp", "block"]
@@ -323,7 +324,12 @@ def _decomposed(cells: Sequence[Cells], order: int, path_order: int, names: Sequ
     key, labels = ("decomposed", order, path_order), names or [f"column {i}" for i in range(order + path_order + 2)]
 
     def together() -> Decomposed:
-        return decompose(designs(own, order, path_order) * np.array([_root(one) for one in own])[:, :, None], labels)
+        white = designs(own, order, path_order) * np.array([_root(one) for one in own])[:, :, None]
+        basis, (m, _, p) = white.copy(), white.shape
+        transform, length = np.empty((m, p, p)), np.empty((m, p))
+        if fill_bases(basis, transform, length) > APART:
+            return Decomposed(white, basis, transform, length)
+        return decompose(white, labels)  # which names what it cannot tell
 
     known = own[0].once(key, together) if len(own) == 1 else together()
     number = np.empty(len(cells), dtype=np.int64)

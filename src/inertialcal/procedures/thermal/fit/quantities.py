@@ -51,6 +51,7 @@ SOURCES = {
 
 
 ORDER = Origin("order of the polynomial", level="hidden")
+THERMOMETER, REFERENCE = "thermometer", "converter reference"
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,9 +302,9 @@ def _alike(plan: Plan, unit: str, level: str, units: Sequence[Sequence[_Part]]) 
     )
     if thermometer is not None:
         bent = np.array([any(one.law.order for one in own) for own in units])
-        sources.append(replace(_of("thermometer", thermometer, -(thermometer.u * slope)[:, None]), there=bent))
+        sources.append(replace(_of(THERMOMETER, thermometer, -(thermometer.u * slope)[:, None]), there=bent))
     if reference is not None:
-        sources.append(_of("converter reference", reference, (reference.u * raw)[:, None]))
+        sources.append(_of(REFERENCE, reference, (reference.u * raw)[:, None]))
     if gap is not None and unit != "V":
         single = np.array([not all(one.law.midway for one in own) for own in units])
         changes = (0.5 * gap.u * constant * one_path)[:, None]
