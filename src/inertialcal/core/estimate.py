@@ -290,6 +290,7 @@ class Sources:
     term: str = ""
 
     there: NDArray[np.bool_] | None = None  # shape (u,): which units have it; None for all
+    counts: Sequence[int] | None = None  # of each unit: how many of the changes, the first ones, are its own; None: all
 
     @classmethod
     def of_changes(
@@ -330,7 +331,9 @@ class Sources:
         count, most = len(sizes), self.covariance.shape[1]
         dof = [self.dof] * count if isinstance(self.dof, float) else [*self.dof]
         stated = self.stated if isinstance(self.stated, list) else [self.stated] * count
-        changes = [None] * count if self.changes is None else [*self.changes]
+        changes: list[Array | None] = [None] * count if self.changes is None else [*self.changes]
+        if self.changes is not None and self.counts is not None:
+            changes = [by[:n].copy() for by, n in zip(self.changes, self.counts, strict=True)]
         there = [True] * count if self.there is None else self.there.tolist()
         found: list[Component | None] = []
         for k, c, free, its, by, has in zip(sizes, self.covariance, dof, stated, changes, there, strict=True):
@@ -400,7 +403,7 @@ class Estimate:
     @classmethod
     def of_each(
         cls, given: Sequence[tuple[Key, ...]], values: Array, units: Sequence[tuple[str, ...]],
-        sources: Sequence[Sources],
+        sources: Sequence[Sources], checked: bool = False,
     ) -> list[Estimate | DataError]:  # fmt: skip
         """Return the estimates of several units at once, or why there is none: each as alone.
 
@@ -414,6 +417,8 @@ class Estimate:
             Those of a unit come first; k is the largest number of them. Covariances and changes of the rest are 0.
         sources : sequence of Sources
             All that any unit has.
+        checked : bool
+            Whether all are sums of sources of estimates, which were checked.
         """
         count, k = values.shape
         sizes = [len(one) for one in given]
@@ -428,7 +433,8 @@ class Estimate:
         variances = [np.diagonal(one.covariance, axis1=1, axis2=2) for one in sources]
         whole = np.diagonal(total, axis1=1, axis2=2)
         alike = {id(one): one for one in given}.values()  # of many units the same
-        if not (all(len(set(one)) == len(one) for one in alike) and all(one.plain for one in sources)):
+        named = all(len(set(one)) == len(one) for one in alike)
+        if not (named and (checked or all(one.plain for one in sources))):
             return [one.checked() for one in made]
         u, dof = np.sqrt(whole), joined_dof(variances, [one.dof for one in sources], whole)
         total.flags.writeable = u.flags.writeable = dof.flags.writeable = False

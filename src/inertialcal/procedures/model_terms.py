@@ -175,7 +175,7 @@ def _form(one: ModelTerms) -> tuple[object, ...] | None:
         return None
     sources = [
         (each.given, each.kind, each.distribution, each.unknowns, each.term,
-         None if each.changes is None else len(each.changes))
+         None if each.changes is None else len(each.changes) != 1)
         for each in one.estimate.components
     ]  # fmt: skip
     return (one.tests, *sources)
@@ -274,7 +274,7 @@ def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | DataErr
             place[i, : len(keys)], scale[i, : len(keys)] = taken[j]
             values[i] += scale[i] * every[i].values[place[i]]
         for one, source in zip(first.components, _sources_of(every, place, scale), strict=True):
-            names = _labels(one)
+            names = _labels(one, 0 if source.changes is None else source.changes.shape[1])
             if names is None:
                 origin = one.origin if one.origin.test else one.origin._replace(test=", ".join(part.tests))
                 whole.append(replace(source, given=origin))
@@ -283,7 +283,7 @@ def _joint(given: Sequence[Sequence[ModelTerms]]) -> Sequence[Estimate | DataErr
     whole += [_together(origin, each) for origin, each in shared.items()]
     keys_of, units_of = [keys for keys, _, _ in layouts], [units for _, units, _ in layouts]
     if whole:
-        return Estimate.of_each(keys_of, values, units_of, whole)
+        return Estimate.of_each(keys_of, values, units_of, whole, checked=True)
     rows = zip(keys_of, values, units_of, strict=True)
     return [Estimate.of_own(keys, row[: len(keys)], units, ()) for keys, row, units in rows]
 
@@ -295,18 +295,23 @@ def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp], scale: Array
     """
     first, count = every[0].components, len(every)
     k = max(len(one.values) for one in every) + 1  # the last is blank
-    sizes = [0 if part.changes is None else len(part.changes) for part in first]
-    stops = np.cumsum(sizes).tolist()
+    counts = [[0 if part.changes is None else len(part.changes) for part in one.components] for one in every]
+    sizes = [max(column) for column in zip(*counts, strict=True)]
+    starts = np.cumsum([0, *sizes]).tolist()
     square, dof = np.zeros((len(first), count, k, k)), np.full((len(first), count, k), np.inf)
-    moved = np.zeros((sum(sizes), count, k))
-    for i, one in enumerate(every):
+    moved = np.zeros((starts[-1], count, k))
+    for i, (one, its) in enumerate(zip(every, counts, strict=True)):
         own, n = one.components, len(one.values)
         if own:
             square[:, i, :n, :n] = [part.covariance for part in own]
         for row, part in zip(dof, own, strict=True):
-            row[i, :n] = part.dof
+            if part.dof is not np.inf:
+                row[i, :n] = part.dof
         if len(moved):
-            moved[:, i, :n] = np.concatenate([part.changes for part in own if part.changes is not None])
+            rows = [row for start, size in zip(starts, its, strict=False) for row in range(start, start + size)]
+            moved[slice(None) if its == sizes else rows, i, :n] = np.concatenate(
+                [part.changes for part in own if part.changes is not None]
+            )
     unit = np.arange(count)[:, None]
     square, dof = square[:, unit[:, None], place[:, :, None], place[:, None]], dof[:, unit, place]
     moved = moved[:, unit, place].swapaxes(0, 1)
@@ -314,11 +319,21 @@ def _sources_of(every: Sequence[Estimate], place: NDArray[np.intp], scale: Array
         square, moved = square * (scale[:, :, None] * scale[:, None]), moved * scale[:, None]
     return [
         Sources(
-            one.given, one.kind, square[j], dof[j], one.distribution, [each.components[j].stated for each in every],
-            None if one.changes is None else moved[:, stop - size : stop], one.unknowns, one.term,
+            one.given,
+            one.kind,
+            square[j],
+            dof[j],
+            one.distribution,
+            [each.components[j].stated for each in every],
+            None if one.changes is None else moved[:, start : start + size],
+            one.unknowns,
+            one.term,
+            counts=None if min(column) == size else column,
         )
-        for j, (one, stop, size) in enumerate(zip(first, stops, sizes, strict=True))
-    ]  # fmt: skip
+        for j, (one, start, size, column) in enumerate(
+            zip(first, starts, sizes, zip(*counts, strict=True), strict=False)
+        )
+    ]
 
 
 def _spread(
@@ -336,15 +351,18 @@ def _spread(
     ]  # fmt: skip
 
 
-def _labels(one: Component) -> Sequence[str] | None:
-    """Return what tells the unknowns of a source apart, in all parts alike; None where another part cannot share it."""
+def _labels(one: Component, count: int) -> Sequence[str] | None:
+    """Return what tells the unknowns of a source, so many of all units, apart, in all parts alike.
+
+    None where another part cannot share it.
+    """
     origin = one.origin
     if one.changes is None or not (origin.test or origin.standard):
         return None
     if one.unknowns:
         return one.unknowns
     if len(one.changes) == 1 or origin.test:  # unknowns of another test stand in their order
-        return [str(i) for i in range(len(one.changes))]
+        return [str(i) for i in range(count)]
     return None
 
 
@@ -359,8 +377,10 @@ def _together(origin: Origin, each: Sequence[tuple[Sources, Sequence[str]]]) -> 
             sums[label] = sums[label] + row if label in sums else row
     joint = Sources.of_changes(origin, np.array([*sums.values()]).swapaxes(0, 1))
     dof = np.min(np.array([one.dof for one, _ in each]), axis=0)
+    most = [[len(labels)] * len(dof) if one.counts is None else one.counts for one, labels in each]
     return replace(first, given=origin, covariance=joint.covariance, dof=dof, changes=joint.changes,
-                   unknowns=tuple(sums) if first.unknowns else ())  # fmt: skip
+                   unknowns=tuple(sums) if first.unknowns else (),
+                   counts=None if first.unknowns else [max(column) for column in zip(*most, strict=True)])  # fmt: skip
 
 
 def _origins(found: Sequence[Provenance]) -> Provenance:

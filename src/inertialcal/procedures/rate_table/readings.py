@@ -105,9 +105,9 @@ class Readings:
             earth=None if self.earth is None else self.earth[keep],
             earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
             taken_off={name: one.take(keep) for name, one in self.taken_off.items()},
-            where=self.where.take(keep) if isinstance(self.where, Places) else (
-                tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else ()
-            ),
+            where=self.where.take(keep)
+            if isinstance(self.where, Places)
+            else (tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else ()),
             incomplete=None if self.incomplete is None else self.incomplete[keep],
             traces=(),
         )

@@ -239,8 +239,10 @@ def sources_of_laws(results: Sequence[Result]) -> list[Known | DataError]:
             found.append(next(rest))
             continue
         own = [(law, one.asked[axis][0], next(unknown)) for axis, law in one.laws.items()]
-        keys, units, at = ((), (), np.zeros(0, dtype=np.intp)) if one.estimate is None else _laws_in(
-            one.estimate.keys, one.estimate.units
+        keys, units, at = (
+            ((), (), np.zeros(0, dtype=np.intp))
+            if one.estimate is None
+            else _laws_in(one.estimate.keys, one.estimate.units)
         )
         if one.estimate is None or not keys:
             found.append((None, []))
@@ -260,7 +262,9 @@ def sources_of_laws(results: Sequence[Result]) -> list[Known | DataError]:
 
 
 @lru_cache(maxsize=256)  # the same of all units of a lot
-def _laws_in(keys: tuple[Key, ...], units: tuple[str, ...]) -> tuple[tuple[Key, ...], tuple[str, ...], NDArray[np.intp]]:
+def _laws_in(
+    keys: tuple[Key, ...], units: tuple[str, ...]
+) -> tuple[tuple[Key, ...], tuple[str, ...], NDArray[np.intp]]:
     """Return keys, units and places of the coefficients of laws among values."""
     at = [i for i, key in enumerate(keys) if key.at is None and key.quantity in ("bias", "bias_temperature")]
     return tuple([keys[i] for i in at]), tuple([units[i] for i in at]), np.array(at, dtype=np.intp)
