@@ -164,7 +164,7 @@ class Table:
         return tuple(self.cells[self.index(name)])
 
     def labels(self, name: str) -> NDArray[np.str_]:
-        """Cells of a column as they stand in the file, shape (n,), read-only; of equal short columns they are made once.
+        """Cells of a column as they stand in the file, shape (n,), read-only; those of equal short columns are shared.
 
         Raises
         ------
