@@ -70,7 +70,7 @@ def input_output(result: Result, sensor: str) -> Curve:
             "group": Column(_labels(readings.group, own)),
             "used": Column([not reasons[i] for i in own]),
             "reason": Column([reasons[i] for i in own]),
-            "place": Column([readings.where[i] if readings.where else "" for i in own]),
+            "place": Column([readings.where[i] if readings.where else "" for i in own.tolist()]),
         },
     )
 

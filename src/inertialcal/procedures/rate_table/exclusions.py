@@ -45,9 +45,10 @@ class Exclusions:
 def exclusions(plan: Plan, readings: Readings, sensor: str) -> Exclusions:
     """Find the dwells of a sensor that are not to be used."""
     scatter = readings.scatters.get(sensor)
-    output = readings.outputs[sensor]
+    output, none = readings.outputs[sensor], np.zeros(len(readings), dtype=bool)
+    if scatter is None and plan.input_range is None:
+        return Exclusions(none, none, ())
     read = np.isfinite(output)
-    none = np.zeros(len(readings), dtype=bool)
     rail = (
         none if plan.input_range is None else at_rail(plan, readings.applied, output, readings.axis == sensor, scatter)
     )
@@ -122,7 +123,7 @@ def _rates(readings: Readings, mask: Mask) -> str:
 
 
 def _place(readings: Readings, mask: Mask) -> str:
-    places = [readings.where[i] for i in np.flatnonzero(mask)] if readings.where else []
+    places = [readings.where[i] for i in np.flatnonzero(mask).tolist()] if readings.where else []
     return ", ".join(places[:4]) + (", ..." if len(places) > 4 else "")
 
 
@@ -162,7 +163,7 @@ def dwells_left_out(plan: Plan, readings: Readings) -> Iterator[Exclusion]:
 def _of_rule(plan: Plan, readings: Readings, rule: str, axis: str, mask: Mask) -> Iterator[Exclusion]:
     key, reason = RULES[rule]
     value = getattr(plan, key)
-    for i in np.flatnonzero(mask):
+    for i in np.flatnonzero(mask).tolist():
         place = readings.where[i] if readings.where else ""
         applied = float(readings.applied[i])
         yield Exclusion(rule, f"rule: {key} = {value:g}", reason.format(value), place, axis,

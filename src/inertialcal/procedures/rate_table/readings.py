@@ -107,7 +107,7 @@ class Readings:
             taken_off={name: one.take(keep) for name, one in self.taken_off.items()},
             where=self.where.take(keep)
             if isinstance(self.where, Places)
-            else (tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else ()),
+            else (tuple(self.where[i] for i in np.flatnonzero(keep).tolist()) if self.where else ()),
             incomplete=None if self.incomplete is None else self.incomplete[keep],
             traces=(),
         )

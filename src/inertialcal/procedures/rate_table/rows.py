@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...core.estimate import Array, Estimate
-from ...core.key import Key, Method, Reason
+from ...core.key import NO_REASON, Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval, t_intervals_each
 from ...statistics.least_squares import times
@@ -38,7 +39,7 @@ def rows_many(results: Sequence[Result]) -> list[list[Row]]:
     kinds = (Method.RESULT, Method.ALL_READINGS)
     wanted = [(one, each, kind) for one in results
               for each, kind in zip((one.estimate, one.all_readings), kinds, strict=True)]  # fmt: skip
-    figures, fits = iter(_rows_of_each(wanted)), [_published(one) for one in results]
+    figures, fits = iter(_rows_of_each(wanted)), _published(results)
     known = [line for own in fits for line in own.values() if line is not None]
     intervals = iter(t_intervals_each([(one.values, one.u, np.full(2, one.dof)) for one in known]))
     published = [{sensor: [] if line is None else next(intervals) for sensor, line in own.items()} for own in fits]
@@ -92,23 +93,33 @@ def _of_sensor(
     return found
 
 
-def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
+def _wanted(result: Result, sensor: str) -> Sequence[tuple[Key, str]]:
+    there = sensor in result.readings.outputs or bool(np.any(result.readings.axis == sensor))
+    plan = result.plan
+    return _keys(sensor, there, plan.zero_reference, plan.scale_factor is not None, result.readings.turned.axes)
+
+
+@lru_cache(maxsize=256)  # the same of all units of a lot
+def _keys(
+    sensor: str, there: bool, referenced: bool, in_volts: bool, axes: tuple[str, ...]
+) -> Sequence[tuple[Key, str]]:  # fmt: skip
+    """Return keys and units of the quantities of a sensor, there or not."""
     wanted = []
-    if sensor in result.readings.outputs or np.any(result.readings.axis == sensor):
+    if there:
         wanted.append((Key("bias", sensor), "rad/s"))
-        if result.plan.zero_reference:
+        if referenced:
             wanted.append((Key(RESIDUAL, sensor), "rad/s"))
-        if result.plan.scale_factor is not None:
+        if in_volts:
             wanted.append((Key("scale_factor", sensor), "V/(rad/s)"))
         wanted += [(Key("scale_factor_error", sensor), "1"), (Key("scale_factor_asymmetry", sensor), "1")]
         wanted += [(Key(quantity, sensor), UNITS[quantity]) for quantity in CURVATURES.values()]
-    for axis in result.readings.turned.axes:
+    for axis in axes:
         if axis != sensor:
             wanted += [
                 (Key("cross_axis_sensitivity", f"{sensor}{axis}"), "1"),
                 (Key("misalignment", f"{sensor}{axis}"), "rad"),
             ]
-    return wanted
+    return tuple(wanted)
 
 
 def _rows_of_each(wanted: Sequence[tuple[Result, Estimate | None, Method]]) -> list[dict[Key, Row]]:
@@ -203,12 +214,14 @@ def _scatter_row(sensor: str, name: str, level: Level) -> Row:
     key = Key(f"scatter_{name}", sensor)
     if level.std is None:
         return not_estimated(key, "rad/s", Reason("not_repeated", level.reason))
-    if not np.isfinite(level.dof):
+    if not math.isfinite(level.dof):
         reason = Reason("given", f"no uncertainty: {level.reason}")
         return Row(key, level.std, None, "rad/s", status="not_estimated", reason=reason)
-    u = level.std / np.sqrt(2.0 * level.dof)
+    u = level.std / math.sqrt(2.0 * level.dof)
     interval = chi_square_interval(level.std, level.dof)
-    return Row(key, level.std, float(u), "rad/s", level.dof, interval)
+    if not math.isfinite(u):
+        return Row(key, level.std, float(u), "rad/s", level.dof, interval)
+    return Row.of_own(key, level.std, float(u), "rad/s", level.dof, interval, NO_REASON)
 
 
 def _dof(dof: float) -> float | None:
@@ -224,29 +237,39 @@ class _Straight(NamedTuple):
     dwells: int
 
 
-def _published(result: Result) -> dict[str, _Straight | None]:
+def _published(results: Sequence[Result]) -> list[dict[str, _Straight | None]]:
     """Return the published fit of each sensor that was turned about its own axis; None of too few dwells.
 
-    In volts where the plan has an ideal scale factor, else in the unit of the readings.
+    In volts where the plan has an ideal scale factor, else in the unit of the readings. Those turned alike are fitted
+    at once.
     """
-    plan, readings = result.plan, result.readings
-    found: dict[str, _Straight | None] = {}
-    for sensor in result.lines:
+    found: list[dict[str, _Straight | None]] = [{} for _ in results]
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for i, one in enumerate(results):
+        ideal = one.plan.scale_factor or {}
+        for sensor in one.lines:
+            read = np.isfinite(one.readings.outputs[sensor])
+            missing = b"" if read.all() else read.tobytes()
+            alike.setdefault((id(one.readings.turned), sensor, ideal.get(sensor), missing), []).append(i)
+    for (_, name, *_), at in alike.items():
+        sensor, plan, readings = str(name), results[at[0]].plan, results[at[0]].readings
         own = readings.axis == sensor
         if not own.any():
             continue
         own &= np.isfinite(readings.outputs[sensor])
         x = readings.applied[own]
         if len(x) < 3 or np.all(x == x[0]):
-            found[sensor] = None
+            for i in at:
+                found[i][sensor] = None
             continue
         volts = None if plan.scale_factor is None else plan.scale_factor.get(sensor)
-        y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
+        y = np.array([results[i].readings.outputs[sensor][own] for i in at]) * (1.0 if volts is None else volts)
         line, dof = readings.turned.straight(own), len(x) - 2.0
         values = line.coefficients(y)
         left = y - times(line.design, values)
-        u = np.sqrt((left**2).sum() / dof * (line.transform**2).sum(axis=1))
-        found[sensor] = _Straight(values, u, dof, len(y))
+        u = np.sqrt((left**2).sum(axis=1)[:, None] / dof * (line.transform**2).sum(axis=1))
+        for i, one_line, its in zip(at, values, u, strict=True):
+            found[i][sensor] = _Straight(one_line, its, dof, y.shape[1])
     return found
 
 
@@ -260,7 +283,9 @@ def _published_rows(plan: Plan, sensor: str, one: _Straight | None, intervals: S
     told = f"unweighted line through all {one.dwells} dwells; the uncertainty assumes they are independent"
     reason, columns = Reason("limits", told), (one.values.tolist(), one.u.tolist())
     return [
-        Row(key, value, u, unit, one.dof, ends, reason=reason, method=Method.TEXTBOOK)
+        Row.of_own(key, value, u, unit, one.dof, ends, reason, Method.TEXTBOOK)
+        if math.isfinite(value) and math.isfinite(u)
+        else Row(key, value, u, unit, one.dof, ends, reason=reason, method=Method.TEXTBOOK)
         for key, value, u, unit, ends in zip(keys, *columns, units, intervals, strict=True)
     ]
 

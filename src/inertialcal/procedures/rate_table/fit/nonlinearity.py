@@ -21,7 +21,7 @@ third order; (3) saturation, which looks like K3.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import special
@@ -29,6 +29,7 @@ from scipy import special
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.key import Reason
+from ....statistics.least_squares import times
 from ..plan import Plan
 from ..readings import Readings
 from ..turned import POWERS
@@ -81,10 +82,11 @@ def with_nonlinearity(
     told = [() if isinstance(one, DataError) else _allowed(one) for one in plain]
     full = _fitted(units, sensor, asymmetry, told, plain, plain)
     always = plan.nonlinearity == "always"
-    p = [{} if isinstance(one, DataError) else _chances(one, always) for one in full]
+    p = _chances(full, always)
     seen = [tuple(name for name in one if one[name] < SEEN / (len(POWERS) * sensors)) for one in p]
     own = _fitted(units, sensor, asymmetry, seen, plain, full)
     found: list[Chosen | DataError] = []
+    bent: dict[tuple[int, int, tuple[str, ...]], list[tuple[int, Line, Line]]] = {}
     for i, one in enumerate(plain):
         if isinstance(one, DataError):
             found.append(one)
@@ -95,26 +97,44 @@ def with_nonlinearity(
             found.append(Chosen(one, one, reasons | {name: Reason("few_rates", NEEDS[name]) for name in told[i]}))
             continue
         line = one if isinstance(line, DataError) else line
-        unresolved = tuple(_unresolved(line, whole, name, p[i][name] < HINTED) for name in told[i])
-        found.append(Chosen(replace(line, unresolved=unresolved), whole, reasons))
+        found.append(Chosen(line, whole, reasons))
+        bent.setdefault((id(line.fit.design), id(whole.fit.design), told[i]), []).append((i, line, whole))
+    for (*_, terms), alike in bent.items():
+        each = _unresolved([(line, whole) for _, line, whole in alike], terms, [p[i] for i, *_ in alike])
+        for (i, line, whole), unresolved in zip(alike, each, strict=True):
+            made = found[i]
+            if isinstance(made, Chosen):
+                found[i] = Chosen(line.changed(unresolved=unresolved), whole, made.reasons)
     return found
 
 
-def _chances(full: Line, always: bool) -> dict[str, float]:
-    """Return the probability of each term of a line to be so large where there is none; 0 where all are taken."""
-    if full.covariance is None or not full.curvature:
-        return {}
-    if always:
-        return dict.fromkeys(full.curvature, 0.0)
-    at = [full.names.index(name) for name in full.curvature]
-    u, dof, size = np.sqrt(full.covariance[at, at]), full.dof[at], np.abs(full.fit.coefficients[at])
-    # Rounding of the readings makes a term, too
-    largest = np.abs(full.readings.applied[full.readings.axis == full.sensor]).max()
-    rounding = np.array([1e-12 * largest ** (1 - POWERS[name]) for name in full.curvature])
-    told = (dof > 0.0) & ~(size <= rounding)
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # without scatter it is infinitely far from 0
-        p = 2.0 * special.stdtr(np.where(told, dof, 1.0), -np.divide(size, u))
-    return dict(zip(full.curvature, np.where(told, p, 1.0).tolist(), strict=True))
+def _chances(full: Sequence[Line | DataError], always: bool) -> list[dict[str, float]]:
+    """Return of each line the probability of each of its terms to be so large where there is none; 0: all are taken."""
+    found: list[dict[str, float]] = [{} for _ in full]
+    alike: dict[tuple[int, tuple[str, ...], str], list[tuple[int, Line, Array]]] = {}
+    for i, one in enumerate(full):
+        if isinstance(one, DataError) or one.covariance is None or not one.curvature:
+            continue
+        if always:
+            found[i] = dict.fromkeys(one.curvature, 0.0)
+        else:
+            kind = id(one.readings.turned), one.names, one.sensor
+            alike.setdefault(kind, []).append((i, one, one.covariance.diagonal()))
+    for group in alike.values():
+        first = group[0][1]
+        at = [first.names.index(name) for name in first.curvature]
+        u = np.sqrt(np.array([own for *_, own in group])[:, at])
+        dof, size = (np.array(each)[:, at] for each in zip(*((one.dof, np.abs(one.fit.coefficients))
+                                                             for _, one, _ in group), strict=True))  # fmt: skip
+        # Rounding of the readings makes a term, too
+        largest = np.abs(first.readings.applied[first.readings.axis == first.sensor]).max()
+        rounding = np.array([1e-12 * largest ** (1 - POWERS[name]) for name in first.curvature])
+        told = (dof > 0.0) & ~(size <= rounding)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # without scatter infinitely far from 0
+            p = 2.0 * special.stdtr(np.where(told, dof, 1.0), -np.divide(size, u))
+        for (i, one, _), own in zip(group, np.where(told, p, 1.0).tolist(), strict=True):
+            found[i] = dict(zip(one.curvature, own, strict=True))
+    return found
 
 
 def _fitted(
@@ -146,10 +166,21 @@ def _allowed(plain: Line) -> tuple[str, ...]:
     return plain.readings.turned.allowed(plain.sensor, plain.asymmetry, plain.fit.own, plain.fit.dof)
 
 
-def _unresolved(own: Line, full: Line, name: str, hinted: bool) -> Unresolved:
-    at = full.names.index(name)
-    assert full.covariance is not None  # noqa: S101 - as checked
-    column: Array = full.fit.design[:, at]
-    size = float(np.sqrt(full.fit.coefficients[at] ** 2 + full.covariance[at, at])) if hinted else 0.0
-    pattern = np.zeros(len(own.names)) if name in own.curvature else own.fit.solve @ column
-    return Unresolved(name, size, pattern)
+def _unresolved(
+    lines: Sequence[tuple[Line, Line]], terms: tuple[str, ...], chances: Sequence[Mapping[str, float]]
+) -> list[tuple[Unresolved, ...]]:
+    """Return what lines of one design, each with its fit of all terms, may lack of some terms."""
+    own, full = lines[0]
+    found = []
+    for name in terms:
+        at = full.names.index(name)
+        theta = np.array([whole.fit.coefficients[at] for _, whole in lines])
+        variance = np.array([whole.covariance[at, at] for _, whole in lines if whole.covariance is not None])
+        hinted = np.array([one[name] < HINTED for one in chances])
+        size = np.where(hinted, np.sqrt(theta**2 + variance), 0.0)
+        if name in own.curvature:
+            pattern = np.zeros((len(lines), len(own.names)))
+        else:
+            pattern = times(np.array([line.fit.solve for line, _ in lines]), full.fit.design[:, at])
+        found.append([Unresolved(name, *each) for each in zip(size.tolist(), pattern, strict=True)])
+    return [*zip(*found, strict=True)] if found else [()] * len(lines)

@@ -41,7 +41,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,10 +63,10 @@ UNEQUAL = 2.0  # most over fewest samples of a dwell, from which on they decide 
 MANY = 12  # runs, from which on their scatter is known well enough to weigh an offset by it
 COST = 2.0  # of an intercept for each recording, in u of any coefficient, that many runs need not pay
 HALVINGS = 24
+NO_SCATTER = "the scatter within the dwells was not given"
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """Scatter observed at one level."""
 
     name: str  # What was repeated
@@ -91,9 +92,15 @@ class Solution:
     dof: float  # of it
     own: bool  # Whether recordings have intercepts of their own
 
+    @classmethod
+    def of_own(cls, **fields: object) -> Solution:
+        """Return a solution of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(fields)
+        return found
 
-@dataclass(frozen=True, eq=False)
-class Unresolved:
+
+class Unresolved(NamedTuple):
     """A curvature that the rates tell apart: what it changes of a line without it, and how large it may be."""
 
     name: str  # ``"K2"``
@@ -117,15 +124,31 @@ class Line:
     curvature: tuple[str, ...] = ()  # Of ``"K2"``, ``"K3"``: what it has
     unresolved: tuple[Unresolved, ...] = ()  # What it may lack
 
+    @classmethod
+    def of_own(cls, **fields: object) -> Line:
+        """Return a line of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(fields)
+        return found
+
+    def changed(self, **fields: object) -> Line:
+        """Return the line with other values of some fields; ``dataclasses.replace`` takes several times as long."""
+        return Line.of_own(**(self.__dict__ | fields))
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the coefficients."""
-        entries = tuple(f"M_{self.sensor}{axis}" for axis in self.axes)
-        return ("K0", *entries, *(("c",) if self.asymmetry else ()), *self.curvature)
+        return _names(self.sensor, self.axes, self.asymmetry, self.curvature)
 
     def coefficient(self, name: str) -> float:
         """One coefficient by name."""
         return float(self.fit.coefficients[self.names.index(name)])
+
+
+@lru_cache(maxsize=256)  # the same of all units that are turned alike
+def _names(sensor: str, axes: tuple[str, ...], asymmetry: bool, curvature: tuple[str, ...]) -> tuple[str, ...]:
+    entries = (f"M_{sensor}{axis}" for axis in axes)
+    return ("K0", *entries, *(("c",) if asymmetry else ()), *curvature)
 
 
 def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()) -> Line:
@@ -192,7 +215,9 @@ def _alike(design: LineDesign, plain: Decomposed, units: Sequence[Readings]) -> 
     sensor, columns = design.sensor, design.columns
     y = _without_earth(design, plain, units)
     fitted = _Plain(y - times(columns, plain.coefficients(y)), float(columns.shape[0] - columns.shape[1]))
-    weights = [_weights(one, sensor, columns, y[i], design.turned.numbers) for i, one in enumerate(units)]
+    weights: list[Array | None] = [None] * len(units)
+    for i in _uneven(units, sensor):
+        weights[i] = _weights(units[i], sensor, columns, y[i], design.turned.numbers)
     equal = [i for i, one in enumerate(weights) if one is None]
     solved: dict[int, Solved] = dict(
         zip(equal, _solved(design, [units[i] for i in equal], y[equal], None), strict=True)
@@ -203,13 +228,12 @@ def _alike(design: LineDesign, plain: Decomposed, units: Sequence[Readings]) -> 
     own = np.array([np.sum(solved[i][0].local ** 2) for i in range(len(units))])
     levels = _dwell_and_run_levels(design, fitted, [solved[i][0] for i in range(len(units))], own)
     made = []
-    for i, one in enumerate(units):
+    for i, (one, sample) in enumerate(zip(units, _sample_levels(units, sensor), strict=True)):
         found, covariance, dof, level = solved[i]
-        every = (_sample_level(one, sensor), *levels[i])
-        made.append(
-            Line(sensor, design.turned.axes, design.asymmetry, found, covariance, dof, level, every, one,
-                 design.curvature)
-        )  # fmt: skip
+        made.append(Line.of_own(
+            sensor=sensor, axes=design.turned.axes, asymmetry=design.asymmetry, fit=found, covariance=covariance,
+            dof=dof, level=level, levels=(sample, *levels[i]), readings=one, curvature=design.curvature, unresolved=(),
+        ))  # fmt: skip
     return made
 
 
@@ -250,9 +274,10 @@ def _solved(design: LineDesign, units: Sequence[Readings], y: Array, weights: Ar
             if _cost(own.solve[i], white) > COST:
                 found.append(_with_random_offsets(design, one, y[i], every))
                 continue
-        solution = Solution(
-            own.coefficients[i], own.solve[i], columns, residuals[i], own.local[i], leverage, own.basis, numbers,
-            mean_square[i], own.spare, True,
+        solution = Solution.of_own(
+            coefficients=own.coefficients[i], solve=own.solve[i], design=columns, residuals=residuals[i],
+            local=own.local[i], leverage=leverage, basis=own.basis, groups=numbers, mean_square=mean_square[i],
+            dof=own.spare, own=True,
         )  # fmt: skip
         found.append((solution, own.covariance[i], own.dof, level))
     return found
@@ -297,6 +322,16 @@ def _with_random_offsets(design: LineDesign, readings: Readings, y: Array, weigh
         covariance = (solve * (scatter**2 / samples)) @ solve.T
         return found, covariance, np.full(p, float(np.sum(samples - 1))), "sample"
     return found, None, np.full(p, np.nan), ""
+
+
+def _uneven(units: Sequence[Readings], sensor: str) -> list[int]:
+    """Return which of units turned alike may have dwells of other weights: their number of samples differs much."""
+    known = [(i, one.samples) for i, one in enumerate(units) if one.samples is not None and sensor in one.scatters]
+    if not known:
+        return []
+    samples = np.array([one for _, one in known])
+    even = np.max(samples, axis=1) <= UNEQUAL * np.min(samples, axis=1)  # a NaN is not
+    return [i for (i, _), alike in zip(known, even.tolist(), strict=True) if not alike]
 
 
 def _weights(readings: Readings, sensor: str, columns: Array, y: Array, numbers: NDArray[np.intp]) -> Array | None:
@@ -359,10 +394,25 @@ def reading_of_line(one: Line, readings: Readings) -> Array:
     return np.asarray(expected + readings.earth @ row)
 
 
+def _sample_levels(units: Sequence[Readings], sensor: str) -> list[Level]:
+    """Return the scatter of samples of each of several units turned alike, at once where all of it is given."""
+    scatters = [one.scatters[sensor] for one in units if sensor in one.scatters]
+    samples = [one.samples for one in units if one.samples is not None]
+    if not scatters:
+        return [Level("sample", None, reason=NO_SCATTER)] * len(units)
+    if len(scatters) == len(samples) == len(units):
+        scatter, weight = np.array(scatters), np.array(samples) - 1.0
+        total = weight.sum(axis=1)
+        if np.isfinite(scatter).all() and np.isfinite(weight).all() and (total > 0.0).all():
+            std = np.sqrt((weight * scatter**2).sum(axis=1) / total)
+            return [Level("sample", *own) for own in zip(std.tolist(), total.tolist(), strict=True)]
+    return [_sample_level(one, sensor) for one in units]
+
+
 def _sample_level(readings: Readings, sensor: str) -> Level:
     scatter = readings.scatters.get(sensor)
     if scatter is None or not np.any(np.isfinite(scatter)):
-        return Level("sample", None, reason="the scatter within the dwells was not given")
+        return Level("sample", None, reason=NO_SCATTER)
     given = np.isfinite(scatter)
     if readings.samples is None:
         std = float(np.sqrt(np.mean(scatter[given] ** 2)))
