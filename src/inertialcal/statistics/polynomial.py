@@ -213,14 +213,20 @@ def powers_from_series(order: int, domain: tuple[float, float], reference: float
 
     Its column j holds T_j as such powers, by T_(j+1) = 2 s T_j - T_(j-1); shape (order + 1, order + 1).
     """
-    lo, hi = domain
-    at, slope = (2.0 * reference - lo - hi) / (hi - lo), 2.0 / (hi - lo)
-    change = np.zeros((order + 1, order + 1))
-    change[0, 0] = 1.0
-    if order:
-        change[:2, 1] = at, slope
-    for j in range(2, order + 1):
-        change[:, j] = 2.0 * at * change[:, j - 1] - change[:, j - 2]
-        change[1:, j] += 2.0 * slope * change[:-1, j - 1]
+    change: Array = powers_from_series_each(order, [domain], [reference])[0]
     change.flags.writeable = False  # it is kept
+    return change
+
+
+def powers_from_series_each(order: int, domains: ArrayLike, references: ArrayLike) -> Array:
+    """Return the same for several ranges, shape (u, 2), with a reference each: (u, order + 1, order + 1)."""
+    lo, hi = np.asarray(domains, dtype=float).T
+    at, slope = (2.0 * np.asarray(references, dtype=float) - lo - hi) / (hi - lo), 2.0 / (hi - lo)
+    change = np.zeros((len(lo), order + 1, order + 1))
+    change[:, 0, 0] = 1.0
+    if order:
+        change[:, 0, 1], change[:, 1, 1] = at, slope
+    for j in range(2, order + 1):
+        change[..., j] = 2.0 * at[:, None] * change[..., j - 1] - change[..., j - 2]
+        change[:, 1:, j] += 2.0 * slope[:, None] * change[:, :-1, j - 1]
     return change

@@ -37,7 +37,17 @@ from ...core.show.tables import Block, html, text
 from .curves import curves
 from .fit.cells import Series, series_of
 from .fit.law import Law
-from .fit.quantities import Asked, Wanted, asked_of, bias_at, earth_along, estimate, estimates, find_asked
+from .fit.quantities import (
+    Asked,
+    Wanted,
+    asked_of,
+    bias_at,
+    earth_along,
+    estimate,
+    estimates,
+    find_asked,
+    find_rows,
+)
 from .fit.sensor import OfSensor, reduce_sensors
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .recordings import Readings, Sweep, ThermalRecording, readings_from
@@ -154,6 +164,7 @@ def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | Inertia
             problems[i][one.axis] = found.problems[0]
         else:
             sensors[i][one.axis] = found
+    find_rows([(plan, one.law) for (plan, _), own in zip(tests, sensors, strict=True) for one in own.values()])
     asked = [
         {axis: asked_of(plan, sensor.law, axis, readings.unit) for axis, sensor in own.items()}
         for (plan, readings), own in zip(tests, sensors, strict=True)

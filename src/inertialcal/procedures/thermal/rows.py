@@ -23,7 +23,7 @@ from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import chi_square_interval, t_interval, t_intervals, t_intervals_each
 from ...statistics.least_squares import fit, times
-from ...statistics.polynomial import Polynomial, powers_from_series
+from ...statistics.polynomial import Polynomial, powers_from_series_each
 from .fit.cells import Series
 from .fit.paths import PathEffect
 from .fit.quantities import at_degrees, power_unit
@@ -428,13 +428,11 @@ _Known = tuple[Sequence[Interval | None], tuple[float, float], PublishedRows]
 def published_each(sensors: Sequence[tuple[Plan, OfSensor]]) -> list[PublishedRows]:
     """Return the published fit of each of several sensors."""
     fits = [published_fit(plan, one.series, one.start_up.cut) for plan, one in sensors]
-    changes, held = [], []
-    for (plan, _), one in zip(sensors, fits, strict=True):
-        if one is not None:
-            about = 0.0 if one.volts else plan.reference_temperature
-            changes.append(powers_from_series(ORDER, one.polynomial.domain, about))
-            held.append(one.polynomial)
-    change = np.array(changes).reshape(-1, ORDER + 1, ORDER + 1)
+    held = [one.polynomial for one in fits if one is not None]
+    about = [0.0 if one.volts else plan.reference_temperature
+             for (plan, _), one in zip(sensors, fits, strict=True) if one is not None]  # fmt: skip
+    domains = np.array([one.domain for one in held]).reshape(-1, 2)
+    change = powers_from_series_each(ORDER, domains, about)
     values = times(change, np.array([one.coefficients for one in held]).reshape(-1, ORDER + 1))
     nothing = np.full(change.shape[1:], np.nan)
     spread = np.array([nothing if one.covariance is None else one.covariance for one in held]).reshape(change.shape)

@@ -34,9 +34,9 @@ taken where it can tell all of P, else the value stays without uncertainty.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -68,15 +68,14 @@ GROWN = 2.0  # times the variance of P that a lag in the fit may cost
 ENOUGH = 3  # bins seen on both paths that an order of D needs
 
 
-@dataclass(frozen=True, eq=False)
-class Scatter:
+class Scatter(NamedTuple):
     """What the members of the highest level that was repeated disagree about; found when it is wanted."""
 
     cells: Cells
     order: int  # Of P
     fit: Fit
     path_fit: Fit
-    once: Once = field(default_factory=Once)  # Of combinations of P
+    once: Once  # Of combinations of P
 
     @property
     def level(self) -> Level:
@@ -136,6 +135,13 @@ class Law:
     path_fit: Fit  # The same with D, without the lag: its D is what the paths differ by, whatever the cause
     scatter: Scatter  # What P and D are judged by
     higher: Law | None = None  # With a P of an order that was not chosen, to see what the choice changes
+
+    @classmethod
+    def of_own(cls, **fields: object) -> Law:
+        """Return a law of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(fields)
+        return found
 
     @property
     def coefficients(self) -> Array:
@@ -277,9 +283,10 @@ def _alike(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None) -> l
     else:
         of_p = _fitted(cells, order, -1)
     return [
-        Law(one, order, path_order, one.range, fitted, plain, Scatter(one, order, fitted, plain))
+        Law.of_own(cells=one, order=order, path_order=path_order, domain=one.range, fit=fitted, path_fit=plain,
+                   scatter=Scatter(one, order, fitted, plain, Once()), higher=None)
         for one, fitted, plain in zip(cells, of_p, alone, strict=True)
-    ]
+    ]  # fmt: skip
 
 
 def _fitted(
@@ -523,6 +530,12 @@ def _bent(order: int) -> Array:
 def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int) -> Array:
     """Return the row of a series at each temperature, shape (m, order + 1)."""
     return np.atleast_2d(_series(_scaled(temperature, domain), order))
+
+
+def series_rows_each(temperatures: Array, domains: Array, order: int) -> Array:
+    """Return the rows of several series, at temperatures (u, m) each over its range, (u, 2): (u, m, order + 1)."""
+    low, high = domains.T[..., None]
+    return _series((2.0 * temperatures - low - high) / (high - low), order)
 
 
 def _series(at: Array, order: int) -> Array:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -36,8 +36,7 @@ NO_BETTER = 1.02  # of the least score
 HeldOut = Literal["runs", "ramps", "blocks", "given"]
 
 
-@dataclass(frozen=True, eq=False)
-class Choice:
+class Choice(NamedTuple):
     """An order, and what it was chosen by."""
 
     order: int  # Of P

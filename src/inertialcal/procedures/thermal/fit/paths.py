@@ -23,8 +23,7 @@ lies within ``no_hysteresis``, else *unclear*.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -43,8 +42,7 @@ TWO_RATES = 1.5  # ratio of the rates of ramps that are two rates
 MIXED = 400.0  # by how much the variance of the hysteresis may grow by the lag and the drift in the fit
 
 
-@dataclass(frozen=True, eq=False)
-class PathEffect:
+class PathEffect(NamedTuple):
     """One figure of what differs between the paths."""
 
     value: float | None  # None where not estimated
@@ -61,8 +59,7 @@ class PathEffect:
 ONE_PATH = PathEffect(None, reason="one path only was seen")
 
 
-@dataclass(frozen=True, eq=False)
-class Paths:
+class Paths(NamedTuple):
     """What differs between warming and cooling."""
 
     difference: PathEffect  # Warming less cooling, mean over the range of both [unit of the readings]
@@ -75,8 +72,7 @@ class Paths:
     rates: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Separated:
+class Separated(NamedTuple):
     """What differs between the paths whatever the drift, apart."""
 
     hysteresis: PathEffect

@@ -20,7 +20,7 @@ one path
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import compress
@@ -37,9 +37,9 @@ from ....core.units import normalise
 from ....physics.earth import OMEGA, earth_rate, level_to_table
 from ....sensors.thermal import over_voltage
 from ....statistics.least_squares import times
-from ....statistics.polynomial import Polynomial, powers_from_series
+from ....statistics.polynomial import Polynomial, powers_from_series, powers_from_series_each
 from ..plan import Attitude, Plan, Thermometer
-from .law import Law, contrasts_of, gathered, slopes_of
+from .law import Law, contrasts_of, gathered, series_rows_each, slopes_of
 
 SOURCES = {
     "run": "scatter between runs",
@@ -54,8 +54,7 @@ ORDER = Origin("order of the polynomial", level="hidden")
 THERMOMETER, REFERENCE = "thermometer", "converter reference"
 
 
-@dataclass(frozen=True, eq=False)
-class Asked:
+class Asked(NamedTuple):
     """Values that are linear in the coefficients of P."""
 
     keys: tuple[Key, ...]  # One a value
@@ -79,17 +78,15 @@ def power_unit(unit: str, by: str, power: int) -> str:
 
 def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias") -> list[Asked]:
     """Return what is wanted of a law: coefficients over temperature, values at temperatures, the same over volts."""
-    inside = tuple(one for one in plan.at or () if law.domain[0] <= one <= law.domain[1])
+    inside = _inside(plan, law)
     thermometer = (plan.thermometers or {}).get(axis) if quantity == "bias" else None
     scale = (plan.scale_factor or {}).get(axis)
 
-    def over_temperature(one: Law) -> list[Array]:
-        found = [powers_from_series(one.order, one.domain, plan.reference_temperature)]
-        return found + ([one.basis(inside)] if inside else [])
-
     def rows_of(one: Law) -> list[Array]:
-        name = ("asked", one.order, one.domain, plan.reference_temperature, inside)
-        found = one.cells.once(name, lambda: over_temperature(one))
+        name = _asked_rows(plan, one)
+        if name not in one.cells.once:
+            find_rows([(plan, one)])
+        found: list[Array] = one.cells.once[name]
         return found + ([] if thermometer is None else [_over_volts(one, thermometer, scale)])
 
     own = rows_of(law)
@@ -102,6 +99,31 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
               else more[: len(keys)] @ law.higher.coefficients - rows @ law.coefficients)
         for (keys, units, over), rows, more in zip(compress(labels, kept), own, higher, strict=True)
     ]  # fmt: skip
+
+
+def find_rows(laws: Sequence[tuple[Plan, Law]]) -> None:
+    """Find the rows over temperature that `asked_of` wants of laws and of those of a higher order, alike at once."""
+    every = [(plan, one) for plan, law in laws for one in (law, law.higher) if one is not None]
+    own = {(id(one.cells.once), _asked_rows(plan, one)): (plan, one) for plan, one in every}
+    kinds: dict[tuple[int, int], list[tuple[Plan, Law]]] = {}
+    for plan, one in own.values():
+        kinds.setdefault((one.order, len(_inside(plan, one))), []).append((plan, one))
+    for (order, count), alike in kinds.items():
+        domains = np.array([one.domain for _, one in alike])
+        powers = powers_from_series_each(order, domains, [plan.reference_temperature for plan, _ in alike])
+        bases = series_rows_each(np.array([_inside(plan, one) for plan, one in alike]), domains, order)
+        for (plan, one), *rows in zip(alike, powers, bases, strict=True):
+            one.cells.once.keep(_asked_rows(plan, one), rows if count else rows[:1])
+
+
+def _asked_rows(plan: Plan, law: Law) -> Hashable:
+    return "asked", law.order, law.domain, plan.reference_temperature, _inside(plan, law)
+
+
+def _inside(plan: Plan, law: Law) -> tuple[float, ...]:
+    """Return the temperatures asked for that the law holds at [degC]."""
+    low, high = law.domain
+    return tuple([one for one in plan.at or () if low <= one <= high])
 
 
 def find_asked(laws: Sequence[Law], asked: Sequence[Sequence[Asked]]) -> None:
@@ -189,8 +211,7 @@ class Wanted(NamedTuple):
     unit: str
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
+class _Part(NamedTuple):
     """What is asked of one sensor, shape (m,) each."""
 
     law: Law

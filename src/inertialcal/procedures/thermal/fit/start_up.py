@@ -10,7 +10,7 @@ is of the size of what a mean over some minutes can show.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ MEANS = 120  # of the steady part after a power-up
 STEADY = "the temperature changes from power-up on: its effect looks like a start-up transient"
 
 
-@dataclass(frozen=True, eq=False)
-class StartUp:
+class StartUp(NamedTuple):
     """What a thermal test shows of the start-up of one sensor."""
 
     found: WarmUp | None  # The transient
