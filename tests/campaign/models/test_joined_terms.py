@@ -123,11 +123,15 @@ def test_terms_of_many_units_are_joined_as_those_of_each() -> None:
     units = []
     for i in range(9):
         values = dict(zip((BIAS, SLOPE), rng.normal(size=2).tolist(), strict=True)) if i % 3 else {BIAS: 0.1 * i}
-        own = [scatter(rng.normal(size=(2, len(values))).tolist(), shared, 4.0 + i)]
+        law = Origin("scatter between runs", test="thermal", level="run")  # of polynomials of other orders
+        own = [scatter(rng.normal(size=(2, len(values))).tolist(), shared, 4.0 + i),
+               scatter(rng.normal(size=(2 + i % 4, len(values))).tolist(), law)]  # fmt: skip
         if i % 2:
             own.append(Component(SCATTER, "A", np.diag(rng.random(len(values))), 2.0 + rng.random(len(values))))
         first = terms(values, tuple(own), "thermal")
-        later = terms({SCALE: 0.01 * i}, (scatter([[0.3 * i], [0.1]], shared),), "rate", () if i % 4 else ("thermal",))
+        taken = [scatter(rng.normal(size=(2 + i % 4, 1)).tolist(), law)] if i > 5 else []
+        after = () if i % 4 else ("thermal",)
+        later = terms({SCALE: 0.01 * i}, (scatter([[0.3 * i], [0.1]], shared), *taken), "rate", after)
         units.append([later] if i == 5 else [first, terms({BIAS: 1.0}, (), "rate")] if i == 7 else [later, first])
     found = joined_terms_many(units)
     for i, (parts, one) in enumerate(zip(units, found, strict=True)):

@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.files import read_table
-from inertialcal.files.text.table import Table
+from inertialcal.files.text.table import NumberCells, Table
 
 TEXT = """# dwells
 set,rate [deg/s],x_dps,note
@@ -103,3 +103,13 @@ def test_the_published_table(shared: Path) -> None:
     assert table.missing("error_no_ref_percent")[0].count == np.isnan(error).sum() == 6
     assert table.text("axis")[0] == "X"
     assert table.where(0).endswith("table10_rate_error_x.csv:2")
+
+
+def test_labels_are_the_cells_whatever_they_were_stored_as(table: Table) -> None:
+    assert table.labels("set").tolist() == list(table.text("set"))
+    assert table.labels("note") is table.labels("note")
+    stored = np.array([1.5, 2.0, 1.5])
+    found = [Table(("run",), (NumberCells(stored, stored.copy()),), np.arange(1, 4)).labels("run") for _ in range(2)]
+    assert found[0].tolist() == ["1.5", "2.0", "1.5"]
+    assert found[0] is found[1]
+    assert not found[0].flags.writeable

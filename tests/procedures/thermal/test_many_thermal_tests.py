@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from thermal_sweeps import path, plan, way
 
-from inertialcal.core.errors import InertialcalError
+from inertialcal.core.errors import DataError, InertialcalError
+from inertialcal.core.influence import Influence
 from inertialcal.core.key import Method
 from inertialcal.procedures import procedure_of, protocol
+from inertialcal.procedures.thermal.correction import sources_of_each, sources_of_laws
 from inertialcal.procedures.thermal.recordings import Readings, Sweep
 from inertialcal.procedures.thermal.reduction import Result, reduce, reduce_many
 
@@ -79,6 +81,31 @@ def test_terms_and_rows_of_units_at_once_are_those_of_each_alone() -> None:
             assert found.estimate.changes.tobytes() == alone.estimate.changes.tobytes()
     rows = [[row.to_dict() for row in own] for own in thermal.rows_many(results)]
     assert rows == [[row.to_dict() for row in reduce(*one).rows()] for one in tests]
+
+
+def test_terms_of_a_result_are_those_of_the_correction_made_anew() -> None:
+    standards = {
+        "thermometer.temperature": Influence(0.5, "degC"),
+        "converter.reference": Influence(1e-3, "1"),
+        "site.latitude": Influence(1e-3, "rad"),
+    }
+    asked = plan(at=(0.0, 40.0), standards=standards)
+    tests = [(asked, unit(seed, kind)) for seed, kind in enumerate(("bent", "straight", "one way", "runs", "gap"))]
+    results = [one for one in reduce_many(tests) if isinstance(one, Result)]
+    for found, want in zip(sources_of_laws(results), sources_of_each(results), strict=True):
+        assert not isinstance(found, DataError)
+        assert not isinstance(want, DataError)
+        (estimate, sources), (again, others) = found, want
+        assert (estimate is None) == (again is None)
+        if estimate is None or again is None:
+            continue
+        assert estimate.keys == again.keys
+        assert estimate.units == again.units
+        np.testing.assert_allclose(estimate.values, again.values, rtol=1e-12)
+        np.testing.assert_allclose(estimate.covariance, again.covariance, rtol=1e-12)
+        assert [str(one.given) for one, _ in sources] == [str(one.given) for one, _ in others]
+        for (_, mine), (_, its) in zip(sources, others, strict=True):
+            np.testing.assert_allclose(mine, its, rtol=1e-9, atol=1e-30)
 
 
 def test_the_published_cubic_of_many_samples_is_that_of_numpy() -> None:

@@ -83,3 +83,18 @@ def test_roots_are_those_of_numpy(run: Any) -> None:
     assert np.isinf(roots[2]).all()
     for k in (0, 1, 3):
         np.testing.assert_allclose(roots[k], np.linalg.inv(np.linalg.cholesky(squares[k])), rtol=1e-12, atol=1e-14)
+
+
+def test_bases_are_orthonormal_and_made_of_the_columns(run: Any) -> None:
+    x = np.random.default_rng(4).normal(size=(3, 20, 6)) * 10.0 ** np.arange(6)
+    x[1, :, 3] = x[1, :, 2] * (1.0 + 1e-9 * x[0, :, 0])
+    basis, transform, length = x.copy(), np.empty((3, 6, 6)), np.empty((3, 6))
+    least = run.fill_bases(basis, transform, length)
+    assert 1e-10 < least < 1e-8  # of what the second leaves of a column that is nearly another one
+    np.testing.assert_allclose(length, np.sqrt(np.sum(x**2, axis=1)))
+    for k in range(3):
+        np.testing.assert_allclose(basis[k].T @ basis[k], np.eye(6), atol=1e-14)
+    for k in (0, 2):
+        np.testing.assert_allclose(x[k] @ transform[k], basis[k], atol=1e-13)
+    x[2, :, 1] = 0.0
+    assert run.fill_bases(x.copy(), transform, length) == 0.0
