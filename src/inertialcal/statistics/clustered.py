@@ -36,6 +36,7 @@ from ..core.estimate import Array
 from .least_squares import Fit, times
 
 ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
+FILLED = 3  # times the readings, up to which clusters are filled up to the size of the largest
 UNRESOLVED = 1e-6  # part of a variance that may be unseen before its dof is called 0
 
 
@@ -167,7 +168,7 @@ class Shares:
 
     def __init__(self, members: Members, basis: Array) -> None:
         self.members, self.basis = members, basis[members.order]
-        self.gram = np.add.reduceat(self.basis[:, :, None] * self.basis[:, None, :], members.starts)  # Q_g' Q_g
+        self.gram = _grams(self.basis, members.starts)  # Q_g' Q_g
         self.adjust = _inverse_root(self.gram)  # F_g of A_g Q_g = Q_g F_g, shape (R, p, p)
 
     def score(self, residuals: Array) -> Array:
@@ -178,6 +179,18 @@ class Shares:
     def dof(self, to_contrast: Array) -> Array:
         """Return Satterthwaite's degrees of freedom of combinations of the basis, rows (m, p)."""
         return np.asarray(_satterthwaite(self.gram[None], self.adjust[None], to_contrast[None])[0])
+
+
+def _grams(basis: Array, starts: NDArray[np.intp]) -> Array:
+    """Return what each cluster, from its start on, has of the products of columns, (n, p): shape (R, p, p)."""
+    sizes = np.diff(starts, append=len(basis))
+    most = int(sizes.max())
+    if most * len(starts) > FILLED * len(basis):
+        return np.asarray(np.add.reduceat(basis[:, :, None] * basis[:, None, :], starts))
+    of = np.repeat(np.arange(len(starts)), sizes)
+    own = np.zeros((len(starts), most, basis.shape[1]))
+    own[of, np.arange(len(basis)) - starts[of]] = basis
+    return np.asarray(own.swapaxes(1, 2) @ own)
 
 
 def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:
