@@ -103,7 +103,8 @@ class Series:
 
         def found() -> bool:
             known = np.isfinite(self.temperature)
-            return all(bool(np.isfinite(one[known]).all()) for one in self.together.values())
+            whole = bool(known.all())
+            return all(bool(np.isfinite(one if whole else one[known]).all()) for one in self.together.values())
 
         return self.short and self.reading is self.together.get(self.axis) and self.once("complete", found)
 
