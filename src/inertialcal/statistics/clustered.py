@@ -25,7 +25,6 @@ References
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,8 +106,7 @@ def clustered_contrasts(fit: Fit, clusters: NDArray[Any] | Members, contrasts: A
     return clustered(fit, clusters).contrasts(contrasts)
 
 
-@dataclass(frozen=True, eq=False)
-class Clustered:
+class Clustered(NamedTuple):
     """A fit, and what its clusters disagree about: for several contrasts of one fit."""
 
     fit: Fit

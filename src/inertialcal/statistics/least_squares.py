@@ -19,7 +19,7 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -66,10 +66,11 @@ class Fit:
         return np.sqrt(np.diag(self.need_covariance()))
 
     @classmethod
-    def of_own(cls, shared: Mapping[str, object], **fields: object) -> Fit:
+    def of_own(cls, shared: Mapping[str, object], fields: Iterable[tuple[str, object]]) -> Fit:
         """Return a fit of all its fields; the constructor takes several times as long."""
         found = object.__new__(cls)
-        found.__dict__.update(shared, **fields)
+        found.__dict__.update(shared)
+        found.__dict__.update(fields)
         return found
 
     @property
@@ -190,7 +191,7 @@ def fit_each(decomposed: Decomposed, readings: Array, names: Sequence[str]) -> l
         "basis": basis, "transform": transform,
     }  # fmt: skip
     shared = {"dof": float(dof), "weights": None, "names": labels, "given": False}
-    return [Fit.of_own(shared, **dict(zip(columns, own, strict=True))) for own in zip(*columns.values(), strict=True)]
+    return [Fit.of_own(shared, zip(columns, own, strict=True)) for own in zip(*columns.values(), strict=True)]
 
 
 def fit_correlated(design: Array, readings: Array, covariance: Array, names: Sequence[str] | None = None) -> Fit:

@@ -13,7 +13,7 @@ scatter
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ from .turned import nearest
 Mask = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Exclusions:
+class Exclusions(NamedTuple):
     """Rules by which dwells of one sensor are left out, shape (n,) each; and the remarks."""
 
     rail: Mask

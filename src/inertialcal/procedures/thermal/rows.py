@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -298,8 +297,7 @@ FEW = 1_000  # samples, to which the published fit is made as they are
 APART = 1e5  # largest entries of moments and of their inverse, up to which they tell the coefficients apart
 
 
-@dataclass(frozen=True, eq=False)
-class Published:
+class Published(NamedTuple):
     """The fit as the thesis prints it."""
 
     polynomial: Polynomial  # Over volts [V], or degC
@@ -342,15 +340,14 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     return _published(plan, axis, _Cubic(fitted.coefficients, whole, rss, outputs.squares, outputs.count, domain))
 
 
-@dataclass(frozen=True, eq=False)
-class _Cubic:
+class _Cubic(NamedTuple):
     """The cubic of one sensor."""
 
     coefficients: Array  # shape (ORDER + 1,): a Chebyshev series
     covariance: Array | None  # shape (ORDER + 1, ORDER + 1): of one degree of freedom
     rss: float  # Residual sum of squares
     total: float  # Sum of the squares of the readings about their mean
-    count: int  # Samples
+    samples: int
     domain: tuple[float, float]  # Of the temperature [degC]
 
 
@@ -390,7 +387,7 @@ def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
 
 def _published(plan: Plan, axis: str, cubic: _Cubic) -> Published:
     """Return the cubic of a sensor as the thesis prints it."""
-    n, rss, dof = cubic.count, cubic.rss, cubic.count - ORDER - 1
+    n, rss, dof = cubic.samples, cubic.rss, cubic.samples - ORDER - 1
     adjusted = 1.0 - (rss / dof) / (cubic.total / (n - 1)) if cubic.total > 0.0 else np.nan
     covariance = None if cubic.covariance is None else cubic.covariance / dof
     polynomial = Polynomial(cubic.coefficients, covariance, float(dof), cubic.domain)
@@ -412,8 +409,7 @@ def _series(T: Array, domain: tuple[float, float]) -> Array:
     return rows
 
 
-@dataclass(frozen=True, eq=False)
-class PublishedRows:
+class PublishedRows(NamedTuple):
     """The published fit as powers, with its intervals."""
 
     fit: Published | None

@@ -21,7 +21,7 @@ third order; (3) saturation, which looks like K3.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
@@ -43,13 +43,12 @@ NEEDS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
+class Chosen(NamedTuple):
     """A line with the terms that it needs, and the fit that decided it."""
 
     line: Line
     full: Line  # With all terms that the rates allow
-    reasons: Mapping[str, Reason] = field(default_factory=dict[str, Reason])  # Why a term is not estimated
+    reasons: Mapping[str, Reason]  # Why a term is not estimated
 
 
 def with_nonlinearity(

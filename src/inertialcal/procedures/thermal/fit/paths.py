@@ -33,7 +33,7 @@ from ....statistics.clustered import clustered_contrasts
 from ....statistics.intervals import ends, t_interval
 from ....statistics.least_squares import fit
 from .cells import Cells
-from .law import Law, design, find_contrasts, lag_column, series_rows
+from .law import Law, design, find_contrasts, gathered, lag_column, series_rows, series_rows_each
 
 Word = Literal["yes", "no", "unclear"]
 
@@ -82,6 +82,14 @@ class Separated(NamedTuple):
 
 def find_differences(laws: Sequence[Law]) -> None:
     """Find what `paths_of` wants of several judged laws that lie midway between two paths, alike at once."""
+    own = {(id(one.cells.once), one.path_order, one.domain): one for one in laws}
+    for at in gathered(order for _, order, _ in own):
+        alike = [[*own.values()][i] for i in at]
+        domains, order = np.array([one.domain for one in alike]), alike[0].path_order
+        low, high = np.array([one.cells.both or one.domain for one in alike]).T
+        rows = series_rows_each(np.linspace(low, high, GRID, axis=-1), domains, order).mean(axis=1)
+        for one, row in zip(alike, rows, strict=True):
+            one.cells.once.keep(("mean over the paths", order, one.domain), row)
     find_contrasts(laws, [_mean_over_paths(one, one.path_order)[None] for one in laws], paths=True)
 
 
