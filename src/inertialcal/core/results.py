@@ -59,9 +59,9 @@ def changed(one: T, **fields: object) -> T:
     >>> changed(Interval(1.0, 2.0), hi=3.0)
     Interval(lo=1.0, hi=3.0, p=0.95)
     """
-    own = one.__dict__
+    own, names = one.__dict__, one.__dataclass_fields__  # type: ignore[attr-defined]
     found = object.__new__(type(one))
-    found.__dict__.update({name: own[name] for name in one.__dataclass_fields__} | fields)  # type: ignore[attr-defined]
+    found.__dict__.update(own if len(own) == len(names) else {name: own[name] for name in names}, **fields)
     return found
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..core.curve import Column, Curve
-from ..core.results import Interval, Row
+from ..core.results import Interval, Row, changed
 from ..core.units import divide, factor, kind, kind_of_unit, normalise, power, same_dimension, si_unit
 from . import all_quantities, procedure_names
 
@@ -141,7 +141,7 @@ def scaled_interval(interval: Interval | None, scale: float) -> Interval | None:
     """Return the interval times a factor; open sides stay open."""
     if interval is None:
         return None
-    return Interval(scaled(interval.lo, scale), scaled(interval.hi, scale), interval.p)
+    return changed(interval, lo=scaled(interval.lo, scale), hi=scaled(interval.hi, scale))
 
 
 TEN_DIGITS = ("applied", "rate", "time", "start", "stop")

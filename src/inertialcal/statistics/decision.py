@@ -24,6 +24,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -105,14 +106,17 @@ def decide(
     missing = _missing(value, u, dof)
     if missing or value is None or u is None:
         return Verdict("INCONCLUSIVE", value, u, dof, None, lower, upper, words, missing, Basis(words))
-    shown = _shown_level(rule, p, both)
+    shown, half = _shown_level(rule, p, both), coverage_factor(dof, p) * u
     interval = t_interval(value, u, dof, shown)
-    rule = applied(rule, coverage_factor(dof, p) * u, lower, upper)
+    rule = applied(rule, half, lower, upper)
     bands = guard_band(rule, u, dof, lower, upper, p)
-    accept, reject = (Interval(value - band, value + band, shown) for band in bands)
+    accept = Interval.of_own(value - bands.accept, value + bands.accept, shown)
+    reject = accept
+    if bands.reject != bands.accept:
+        reject = Interval.of_own(value - bands.reject, value + bands.reject, shown)
     low = 0.0 if lower is None else below((lower - value) / u, dof)
     high = 0.0 if upper is None else below((value - upper) / u, dof)
-    ratio = uncertainty_ratio(coverage_factor(dof, p) * u, lower, upper)
+    ratio = uncertainty_ratio(half, lower, upper)
     return _judged(rule, value, u, dof, interval, accept, reject, lower, upper, low + high, ratio, words)
 
 
@@ -282,8 +286,13 @@ def _shown_level(rule: Rule, p: float, both: bool) -> float:
 
 
 def _words(rule: Rule, p: float, both: bool) -> str:
-    if rule != INTERVAL:
+    if rule is not INTERVAL and rule != INTERVAL:
         return str(rule)
+    return _interval_words(p, both)
+
+
+@lru_cache(maxsize=64)
+def _interval_words(p: float, both: bool) -> str:
     if both:
         return (
             f"JCGM 106, guarded: PASS if the {100 * p:g} % interval lies inside the limits, "

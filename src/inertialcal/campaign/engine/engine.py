@@ -484,9 +484,9 @@ class ReducedTest:
     def plain_rows(self) -> Mapping[str, Sequence[Row]]:
         """Rows by quantity that are its results, neither by another way nor of a part of the readings."""
         found: dict[tuple[str, int], list[Row]] = {}
+        plain = Method.RESULT
         for row in self.rows:
-            key = row.key
-            if row.method is Method.RESULT and row.member is None and key.at is None:
+            if row.method is plain and row.member is None and (key := row.key).at is None:
                 found.setdefault((key.quantity, key.power), []).append(row)
         return {rows[0].quantity: rows for rows in found.values()}
 

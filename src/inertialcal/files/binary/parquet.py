@@ -29,6 +29,7 @@ from ...core import batches
 from ...core.errors import DataError
 from ...core.recording import ClockRate
 from ...core.remarks import Remark
+from ...core.results import changed
 from ...core.show.tables import clean
 from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
 from ..columns import Column, Content, LongColumns, Rows, ahead
@@ -186,7 +187,7 @@ def _rows_of(column: Column | str, part: range) -> Column | str:
         return column
     values = column.values[part.start : part.stop]
     if column.is_complete:
-        return Column(column.name, values, column.unit)
+        return changed(column, values=values)
     gone, nan = (
         rows[slice(*np.searchsorted(rows, (part.start, part.stop)))] - part.start
         for rows in (column.empty, column.not_a_number)
