@@ -193,3 +193,17 @@ def test_the_digest_of_rows_is_that_of_what_arrow_streams() -> None:
     assert [[one] for one in stores.digests_of(plain, parts)] == alone
     copied = stores.plain_rows(pa.concat_tables([table.slice(0, 5), table.slice(5)]))  # in two pieces
     assert stores.digests_of(copied, parts) == stores.digests_of(plain, parts)
+
+
+@pytest.mark.parametrize("kind", [pa.dictionary(pa.int32(), pa.string()), pa.string(), pa.int64(), pa.float64()])
+@pytest.mark.parametrize("cells", [[], ["3", "3", "1", "3", "3", "2"], ["3", None, None, "1", "3"]])
+def test_rows_by_what_tells_units_apart_are_those_that_have_it(kind: pa.DataType, cells: list[str | None]) -> None:
+    plain = pa.array(cells, pa.string())
+    one = plain.dictionary_encode() if pa.types.is_dictionary(kind) else plain.cast(kind)
+    other = pa.array([i // 2 for i in range(len(cells))], pa.int64())
+    found = stores._rows_by_key(pa.table({"serial": one, "again": other}), ("serial", "again"))
+    texts = ["" if cell is None else str(cell) for cell in one.cast(pa.string()).to_pylist()]
+    expected: dict[tuple[str, ...], list[int]] = {}
+    for row, key in enumerate(zip(texts, map(str, other.to_pylist()), strict=True)):
+        expected.setdefault(key, []).append(row)
+    assert {key: [int(row) for row in own] for key, own in found.items()} == expected
