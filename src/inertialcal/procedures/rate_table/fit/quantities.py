@@ -164,6 +164,7 @@ class Part:
 
     lines: list[Line]
     layout: _Layout
+    theta: Array  # shape (u, p): coefficients of the lines
     values: Array  # shape (u, m)
     jacobian: Array  # shape (u, m, p): with the coefficients of the lines
 
@@ -181,12 +182,15 @@ class Part:
         if responds:
             bent = layout.power > 0
             jacobian[:, bent, own] = (-layout.power * values / slope)[:, bent]
-        return cls(lines, layout, values, jacobian)
+        return cls(lines, layout, theta, values, jacobian)
 
     @property
     def entries(self) -> Array:
         """What the sensor reads of x, y and z, as fitted; as ideal where the axis was not turned, shape (u, 3)."""
-        return np.array([matrix_entries(one) for one in self.lines])
+        first = self.lines[0]
+        found = np.tile([float(axis == first.sensor) for axis in AXES], (len(self.lines), 1))
+        found[:, [AXES.index(axis) for axis in first.axes]] = self.theta[:, 1 : 1 + len(first.axes)]
+        return found
 
     def by(self, coefficients: Array) -> Array:
         """Return changes of the figures by changes of the coefficients, (u, p, s): shape (u, s, m)."""
@@ -285,13 +289,6 @@ def _mounting(
     of, to = (np.array([AXES.index(pair[i]) for pair in pairs]) for i in (0, 1))
     changes = by_entry.swapaxes(1, 2)[:, of] * (size[:, None] * entry.swapaxes(1, 2)[:, to])
     return tuple(f"{a}{j}" for a, j in pairs), changes
-
-
-def matrix_entries(one: Line) -> Array:
-    """Return what a sensor reads of x, y and z, as fitted; as ideal where the axis was not turned, shape (3,)."""
-    found = np.array([float(axis == one.sensor) for axis in AXES])
-    found[[AXES.index(axis) for axis in one.axes]] = one.fit.coefficients[1 : 1 + len(one.axes)]
-    return found
 
 
 def matrix_entry(one: Line, axis: str) -> float:

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import compress
+from itertools import chain, compress
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -293,7 +293,7 @@ def estimates(units: Sequence[Wanted]) -> list[Estimate | DataError | None]:
 
 def _alike(plan: Plan, unit: str, level: str, units: Sequence[Sequence[_Part]]) -> list[Estimate | DataError]:
     """Return the estimates of units of one plan whose scatter is of one level."""
-    keys = [tuple(key for one in own for key in one.asked.keys) for own in units]
+    keys = [tuple(chain.from_iterable([one.asked.keys for one in own])) for own in units]
     shape = len(units), max(map(len, keys))
     raw, constant, slope, one_path = np.zeros((4, *shape))
     dof, covariance = np.full(shape, np.inf), np.zeros((*shape, shape[1]))
@@ -330,7 +330,7 @@ def _alike(plan: Plan, unit: str, level: str, units: Sequence[Sequence[_Part]]) 
         single = np.array([not all(one.law.midway for one in own) for own in units])
         changes = (0.5 * gap.u * constant * one_path)[:, None]
         sources.append(replace(_of("path not seen", gap, changes), there=single))
-    spoken = [tuple(each for one in own for each in one.asked.units) for own in units]
+    spoken = [tuple(chain.from_iterable([one.asked.units for one in own])) for own in units]
     sources = [one for one in sources if one.there is None or one.there.any()]
     return Estimate.of_each(keys, raw - earth[at] * constant, spoken, sources)
 
@@ -342,9 +342,9 @@ def _of(source: str, influence: Influence, changes: Array) -> Sources:
 def _joined(asked: Sequence[Asked]) -> Asked:
     if len(asked) == 1:
         return asked[0]
-    keys = tuple(key for one in asked for key in one.keys)
+    keys = tuple(chain.from_iterable([one.keys for one in asked]))
     changes = None if asked[0].changes is None else np.concatenate([one.changes for one in asked])
-    rows, units = np.concatenate([one.rows for one in asked]), tuple(u for one in asked for u in one.units)
+    rows, units = np.concatenate([one.rows for one in asked]), tuple(chain.from_iterable([one.units for one in asked]))
     return Asked(keys, units, rows, changes=changes)
 
 
