@@ -166,6 +166,15 @@ def unknowns_of(powers: Array) -> int:
     return count
 
 
+@compiled
+def _bits(there: NDArray[np.bool_]) -> int:
+    """Return which terms are there, Gauss-Markov noise last, as bits; lines are none of them."""
+    bits = int(there[-1]) << LINEAR
+    for i in range(LINEAR):
+        bits |= int(there[i]) << i
+    return bits
+
+
 @inlined
 def fill_ranked(
     columns: Array, table: Array, data: Array, wanted: NDArray[np.bool_], every: NDArray[np.bool_], spacings: Array,
@@ -177,8 +186,14 @@ def fill_ranked(
     """
     p, last, many, most = columns.shape[1], len(table) - 1.0, len(wanted), len(criteria)
     own, least, order = np.empty((many, p + 1)), np.empty(many), np.empty(most, np.int64)
-    for i in range(many):
-        least[i] = fit_of(columns, table, data, wanted[i], -1, 0.0, 0.0, 0.0, spacings, own[i])[1]
+    within, held = np.empty(many, np.int64), np.empty(many, np.int64)
+    for i in range(many - 1, -1, -1):  # the largest first: what holds all that is left of one gives the same
+        within[i], least[i], repeated = _bits(wanted[i]), np.inf, False
+        for j in range(i + 1, many):
+            repeated = repeated or (least[j] < np.inf and held[j] & ~within[i] == 0 and within[i] & ~within[j] == 0)
+        if not repeated:
+            least[i] = fit_of(columns, table, data, wanted[i], -1, 0.0, 0.0, 0.0, spacings, own[i])[1]
+            held[i] = _bits(own[i] > 0.0)
     place, count, whole, best = np.full(2 << LINEAR, -1), 0, 0.0, np.inf
     sort(least, order)
     for i in range(many):
@@ -215,9 +230,7 @@ def _add(
     better: bool,
 ) -> int:  # fmt: skip
     """Put a fit behind others, unless one of the same terms is there; or in its place, where it is ``better``."""
-    bits = int(v[-1] > 0.0) << LINEAR
-    for i in range(LINEAR):
-        bits |= int(v[i] > 0.0) << i
+    bits = _bits(v > 0.0)
     at = place[bits]
     if bits == 0 or not cost < np.inf or (at >= 0 and not (better and cost < costs[at])):
         return count
