@@ -18,7 +18,7 @@ from ..core.estimate import Array, Estimate
 from ..core.influence import influence_of
 from ..core.key import Method
 from ..core.remarks import Remark
-from ..core.results import COLUMNS, Interval
+from ..core.results import COLUMNS
 from ..procedures.display import shown_in
 
 RESULT = (*COLUMNS, "common")  # the last: the part of u that all units of a station share by its standards
@@ -46,7 +46,7 @@ LISTS = {
 PLAIN = {name: pa.int64() if name == "number" else pa.string() for name in OWN if name not in LISTS}
 SCHEMA = pa.schema([(name, pa.list_(LISTS[name]) if name in LISTS else PLAIN[name]) for name in OWN])
 Cells = tuple[Any, ...]
-NOWHERE = Interval(None, None, math.nan)  # in place of none
+NONE = (None,) * 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,16 +126,17 @@ def stream_of(rows: Sequence[UnitRow]) -> bytes:
 
 def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
     """Return the figures of units in the order of `RESULT`: text once for all units that have it, numbers as arrays."""
-    figures = [one for unit in rows for one in unit.results]
     known: dict[tuple[Any, ...], int] = {}
-    places = [
-        known.setdefault(
-            (row.key, row.unit, row.member, row.status, row.reason, sensor_unit, test, condition,
-             None if row.method is Method.RESULT else row.method),
-            len(known),
-        )
-        for row, sensor_unit, test, condition, _, _ in figures
-    ]  # fmt: skip
+    places: list[int] = []
+    found: list[float | None] = []
+    for unit in rows:  # once: what lies scattered in memory is slow to come by
+        for row, sensor_unit, test, condition, _, _ in unit.results:
+            said = (row.key, row.unit, row.member, row.status, row.reason, sensor_unit, test, condition,
+                    None if row.method is Method.RESULT else row.method)  # fmt: skip
+            places.append(known.setdefault(said, len(known)))
+            ends = row.interval
+            found += (row.value, row.u, row.dof)
+            found += NONE if ends is None else (ends.lo, ends.hi, ends.p)
     common = [part for unit in rows for part in _common(unit)]
     texts, scale = [], np.ones(len(known))
     for i, (key, own_unit, member, status, reason, sensor_unit, test, condition, way) in enumerate(known):
@@ -154,14 +155,7 @@ def _results(rows: Sequence[UnitRow]) -> pa.ListArray:
         )
         texts.append((*cells, shown, status, *(reason or (None, None))))
     at = np.array(places, dtype=np.int64)
-    own = [one.row for one in figures]
-    value, u, dof = (
-        _numbers(one) for one in ([row.value for row in own], [row.u for row in own], [row.dof for row in own])
-    )
-    spans = [row.interval or NOWHERE for row in own]
-    lo, hi, p = (
-        _numbers(one) for one in ([one.lo for one in spans], [one.hi for one in spans], [one.p for one in spans])
-    )
+    value, u, dof, lo, hi, p = pa.array(found, pa.float64()).to_numpy(zero_copy_only=False).reshape(-1, 6).T
     scale = scale[at]
     numbers = {"value": value * scale, "u": u * scale, "dof": dof, "lo": lo * scale, "hi": hi * scale, "p": p,
                "common": np.array(common) * scale}  # fmt: skip
@@ -188,12 +182,6 @@ def _common(unit: UnitRow) -> list[float]:
                 parts[estimate] = _part(estimate, unit.shares)
             found.append(parts[estimate][at])
     return found
-
-
-def _numbers(cells: Sequence[float | None]) -> Array:
-    """Return numbers as an array, NaN for those that are absent."""
-    numbers: Array = pa.array(cells, pa.float64()).to_numpy(zero_copy_only=False)
-    return numbers
 
 
 def _part(estimate: Estimate, shares: frozenset[str]) -> list[float]:
