@@ -596,6 +596,23 @@ def test_nothing_is_passed_over_that_the_searches_find(monkeypatch: pytest.Monke
     assert sum(passed) > 0.8 * sum(not one.findings for one in searched) > 20
 
 
+@pytest.mark.parametrize("kind", ["white", "walk", "drift", "glitches", "far"])
+def test_samples_that_count_as_far_from_their_median_are(kind: str) -> None:
+    for seed in range(8):
+        draw, n = rng(seed), 1_000 + 37 * seed
+        x = draw.standard_normal(n) + 1e6 * (kind == "far")
+        x = np.cumsum(x) if kind == "walk" else x + 0.05 * np.arange(n) * (kind == "drift")
+        if kind == "glitches":
+            x[draw.integers(0, n, 20)] *= 1e3
+        off = np.abs(x[15:-15] - np.median(np.lib.stride_tricks.sliding_window_view(x, 31), axis=1))
+        mean, m = np.array([x[k : k + 16].mean() for k in range(0, n, 16)]), n // 64 * 64
+        for apart in np.quantile(off, (0.1, 0.5, 0.68, 0.95)).tolist():
+            found = _kernels._count_far(x, m, apart, mean)
+            exact = int(np.count_nonzero(off[: m - 15] > apart))
+            assert found <= exact
+            assert found > 0.8 * exact - 10 or kind in ("walk", "glitches")
+
+
 @pytest.mark.parametrize("kind", ["noise", "codes", "short", "zeros", "huge", "mostly codes"])
 def test_resolution_is_the_same_in_a_loop_and_in_numpy(kind: str) -> None:
     for seed in range(10):

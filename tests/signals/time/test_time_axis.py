@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
-from inertialcal.signals.time.time_axis import analyse
+from inertialcal.signals.time.time_axis import analyse, step_ends
 
 MS = 1_000_000  # [ns]
 S = 1_000 * MS
@@ -20,6 +20,17 @@ def test_an_even_axis() -> None:
     assert axis.jitter_rms == axis.jitter_max == 0.0
     assert len(axis.gaps) == len(axis.repeated) == len(axis.backward) == 0
     assert axis.steps == ((0.01, 1000),)
+
+
+def test_the_shortest_and_the_longest_step_are_those_of_the_stamps_as_they_are() -> None:
+    stamps = np.array([0, 10, 15, 40])
+    assert step_ends(stamps) == (5.0, 25.0)
+    stamps[3] = 12
+    assert step_ends(stamps) == (-3.0, 10.0)
+    stamps.flags.writeable = False
+    assert step_ends(stamps) == step_ends(stamps) == (-3.0, 10.0)
+    assert step_ends(stamps[:3]) == (5.0, 10.0)
+    assert step_ends(stamps[:1]) == (np.inf, -np.inf)
 
 
 def test_saves_every_two_seconds_with_seventeen_late_by_one() -> None:

@@ -26,6 +26,7 @@ from ...signals.sense.change import Change
 from ...signals.sense.changes import LATE, MOST, averaged, changes
 from ...signals.sense.limits import ARCHIVE, impossible
 from ...signals.time.samples import Flags, Indices
+from ...signals.time.time_axis import step_ends
 from ..file.recordings import ChannelEntry, RecordingEntry
 from .gate import Passed, place_in, without
 
@@ -151,7 +152,7 @@ def _changes(
     rows = slice(None) if chosen is None or chosen.all() else np.flatnonzero(chosen)
     interval, breaks = body.sample_interval, None
     if body.time_ns is not None and interval is not None:
-        breaks = _breaks(body.time_ns[rows], LATE * interval * SECOND)
+        breaks = _breaks(body.time_ns if isinstance(rows, slice) else body.time_ns[rows], LATE * interval * SECOND)
     n = len(body) if isinstance(rows, slice) else len(rows)
     size = max(1, -(-n // MOST))  # samples that are joined: of a long record all that follows is short
     if breaks is not None:
@@ -178,4 +179,6 @@ def _changes(
 
 def _breaks(time_ns: Times, longest: float) -> Indices:
     """Return the samples before which more time than the longest step is missing [ns]."""
+    if step_ends(time_ns)[1] <= longest:
+        return np.empty(0, dtype=np.int64)
     return where_steps(time_ns, lambda step: step > longest)

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.batches import (
-    any_step,
     changed,
     count,
     every,
@@ -40,7 +39,7 @@ from ...signals.screening.remarks import remarks_of
 from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.threads import pays
-from ...signals.time.time_axis import AGAIN, TimeAxis, analyse
+from ...signals.time.time_axis import AGAIN, TimeAxis, analyse, step_ends
 from .axis_noise import Early
 from .plan import Plan
 from .readings import AtRest, Readings, Run
@@ -214,8 +213,8 @@ def grid_of(one: AtRest) -> Grid:
     if stamps is None or len(stamps) < FEWEST:
         return Grid(given)
     mean = (int(stamps[-1]) - int(stamps[0])) / SECOND / (len(stamps) - 1)
-    longest = NO_GAP * given * SECOND
-    even = mean > 0.9 * given and not any_step(stamps, lambda step: (step <= 0) | (step > longest))
+    shortest, longest = step_ends(stamps)
+    even = mean > 0.9 * given and shortest > 0.0 and longest <= NO_GAP * given * SECOND
     if recording.interval_from != FLAG and even:  # the quick answer for most records
         return Grid(mean)
     axis = analyse(stamps)

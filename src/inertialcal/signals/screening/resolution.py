@@ -79,7 +79,7 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
     if not len(given):
         return Resolution(0.0, 0.0)
     largest = max(abs(low), abs(high))
-    _, rows = pieces(given)
+    _, rows = pieces(given, whole=True)
     step, short = loops_for(len(x)).resolved(rows, times, OFF, MOST, CONVERTED)
     if x.dtype.kind == "f":
         kind = np.float32 if short or x.dtype == np.float32 else np.float64

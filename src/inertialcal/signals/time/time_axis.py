@@ -127,6 +127,26 @@ def analyse(time_ns: Times, averaging: float | None = None, steps: Steps | None 
 
 
 _analysed: dict[int, tuple[weakref.ref[Times], float | None, TimeAxis]] = {}  # axes of the last stamps, not to change
+_ends: dict[int, tuple[weakref.ref[Times], tuple[float, float]]] = {}  # of the steps of the last stamps
+
+
+def step_ends(time_ns: Times) -> tuple[float, float]:
+    """Return the shortest and the longest step from one stamp to the next [ns]; infinity, and minus that, without any.
+
+    Those of stamps that are not to change are remembered, as `analyse` does: units of a lot share them.
+    """
+    known = _ends.get(id(time_ns))
+    if known is not None and known[0]() is time_ns and not time_ns.flags.writeable:
+        return known[1]
+    shortest, longest = np.inf, -np.inf
+    for first, stop in batches(time_ns[:-1], size=near()):
+        step = np.diff(time_ns[first : stop + 1])
+        shortest, longest = min(shortest, float(step.min())), max(longest, float(step.max()))
+    if not time_ns.flags.writeable:
+        _ends[id(time_ns)] = weakref.ref(time_ns), (shortest, longest)
+        if len(_ends) > FEW_AXES:
+            del _ends[next(iter(_ends))]
+    return shortest, longest
 
 
 def _analyse(time_ns: Times, averaging: float | None, steps: Steps | None) -> TimeAxis:
