@@ -15,6 +15,7 @@ import numpy as np
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
+from ...signals.screening.screen import noise_of
 from ..agreement import Cause, unit_mistaken
 from .plan import Plan
 from .readings import Readings, Run
@@ -61,9 +62,12 @@ def agreement(plan: Plan, readings: Readings) -> Iterator[Remark]:
 def _density(run: Run, axis: str) -> float:
     """Return the density of white noise of a record [SI sqrt(s)]; NaN where it is not known."""
     found = run.found.get(axis)
-    if found is None or not found.noise > 0.0:
+    noise = 0.0 if found is None else found.noise
+    if found is not None and not found.findings and not noise:  # of a sound record it was not looked for
+        noise = noise_of(run.values[axis])
+    if not noise > 0.0:
         return float("nan")
-    return found.noise * float(np.sqrt(run.interval)) / (1.0 if run.quantity == "rate" else run.interval)
+    return noise * float(np.sqrt(run.interval)) / (1.0 if run.quantity == "rate" else run.interval)
 
 
 def _mean(run: Run, axis: str) -> float:

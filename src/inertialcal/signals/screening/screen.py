@@ -197,6 +197,18 @@ def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     return found if found.findings else Screening((), len(x), 0.0, 0.0)
 
 
+def noise_of(x: NDArray[Any]) -> float:
+    """Return the standard deviation that sizes of findings would be counted in; 0 where it is not known.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        A channel without findings [unit].
+    """
+    x = blocks_of(np.asarray(x)).x
+    return scale_of(x, *pieces(x)).sigma if len(x) >= FEWEST else 0.0
+
+
 def _sound(x: NDArray[Any], at_rest: bool) -> Screening | None:
     """Return what a short record shows in which nothing can be found; None where something may, which is searched.
 
