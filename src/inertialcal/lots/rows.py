@@ -117,9 +117,9 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
 
 
 def stream_of(rows: Sequence[UnitRow]) -> bytes:
-    """Return units as an Arrow stream, which is what the ledger keeps: LZ4 takes half the time of Zstandard."""
+    """Return units as an Arrow stream, which is what the ledger keeps."""
     sink, table = io.BytesIO(), table_of(rows)
-    with pa.ipc.new_stream(sink, table.schema, options=pa.ipc.IpcWriteOptions(compression="lz4")) as stream:
+    with pa.ipc.new_stream(sink, table.schema, options=pa.ipc.IpcWriteOptions(compression="zstd")) as stream:
         stream.write_table(table)
     return sink.getvalue()
 
