@@ -18,12 +18,13 @@ from inertialcal.sensors.noise.fitting.filtered import (
     crossing,
     rolled,
     search,
+    search_many,
 )
 from inertialcal.sensors.noise.fitting.problem import Run
 from inertialcal.sensors.noise.fitting.spread import spread_with
 from inertialcal.sensors.noise.terms import Phase
 from inertialcal.signals.allan import allan
-from inertialcal.signals.spectrum.psd import psd
+from inertialcal.signals.spectrum.psd import psd, psd_alike
 
 N = 40_000
 CORNER = 0.1  # cycles a sample
@@ -126,3 +127,29 @@ def test_sizes_left_out_of_the_search_hide_nothing(kind: str, monkeypatch: pytes
     assert few.hidden == every.hidden
     assert max(few.gain, every.gain) < DOUBTFUL or (few.gain, few.corner) == (every.gain, every.corner)
     assert Search.together([few]) == (kind != "none")
+
+
+def test_spectra_searched_together_give_what_each_gives_alone() -> None:
+    rng = np.random.default_rng(3)
+    white = [rng.normal(size=20_000) for _ in range(4)]
+    x = [*white[:3], lfilter([0.6], [1.0, -0.4], white[3]), np.cumsum(white[0]), rng.normal(size=300)]
+    steep = np.convolve(white[1], np.hanning(12), "same")
+    asked = [(one, None) for one in psd_alike([*x[:5], steep], 0.01).apart()]
+    asked += [(asked[1][0], np.arange(len(asked[1][0].frequency)) % 97 == 3), (psd(x[5], 0.01), None)]
+    together = search_many(asked)
+    assert [one is None for one in together] == [False] * 7 + [True]
+    for (spectrum, marked), found in zip(asked, together, strict=True):
+        alone = search(spectrum, marked)
+        if found is not None and alone is not None:
+            assert (found.gain, found.corner, found.hidden) == (alone.gain, alone.corner, alone.hidden)
+            np.testing.assert_array_equal(found.density, alone.density)
+            np.testing.assert_array_equal(found.cycles, alone.cycles)
+        else:
+            assert found is alone
+    assert [one is not None and Search.together([one]) for one in together] == [False] * 3 + [
+        True,
+        False,
+        True,
+        False,
+        False,
+    ]
