@@ -1,8 +1,9 @@
-"""Kernels: fits of few readings with a scatter between them (``two_levels``), and inverses of small covariances."""
+"""Kernels: fits of few readings with a scatter between them (``two_levels``); inverses and roots of small matrices."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.estimate import Array
 from ._kernels import reordered
@@ -10,6 +11,8 @@ from ._kernels import reordered
 ITERATIONS = 50
 SETTLED = 1e-6  # relative change of tau^2
 NARROW = 200  # halvings of an interval, at most
+LANES = 64  # matrices whose roots are found side by side
+STEPS, CONVERGED = 16, 1e-9  # of an iteration that doubles its digits; what the last step may be
 
 
 @reordered
@@ -302,3 +305,167 @@ def _joined(moved: Array, gain: Array, part: Array) -> None:
             for i in range(gain.shape[1]):
                 total += moved[a, i] * gain[b, i] + moved[b, i] * gain[a, i]
             part[a, b] = part[b, a] = 0.5 * total
+
+
+@reordered
+def _product(a: Array, b: Array, out: Array) -> None:
+    """Fill the product of symmetric matrices whose product is one, shape (p, p, m): m of them side by side."""
+    p, m = len(a), a.shape[2]
+    for i in range(p):
+        for j in range(i + 1):
+            total, x, y = out[i, j], a[i, 0], b[0, j]
+            for k in range(m):
+                total[k] = x[k] * y[k]
+            for q in range(1, p):
+                x, y = a[i, q], b[q, j]
+                for k in range(m):
+                    total[k] += x[k] * y[k]
+            other = out[j, i]
+            for k in range(m):
+                other[k] = total[k]
+
+
+@reordered
+def fill_inverse_roots(squares: Array, roots: Array) -> None:
+    """Fill the inverse square roots of symmetric matrices with eigenvalues from 0 to 1, shape (m, p, p).
+
+    By Newton's and Schulz's iteration, many side by side; NaN where one is near singular.
+    """
+    count, p = squares.shape[:2]
+    for first in range(0, count, LANES):
+        m = min(LANES, count - first)
+        square, root, step, other = np.empty((p, p, m)), np.empty((p, p, m)), np.empty((p, p, m)), np.empty((p, p, m))
+        away, moves = np.empty(m), np.ones(m)
+        for i in range(p):
+            for j in range(p):
+                for k in range(m):
+                    square[i, j, k], root[i, j, k] = squares[first + k, i, j], 1.0 if i == j else 0.0
+        for _ in range(STEPS):
+            _product(root, square, step)
+            for k in range(m):
+                away[k] = 0.0
+            for i in range(p):
+                for j in range(p):
+                    own, part = 1.0 if i == j else 0.0, step[i, j]
+                    for k in range(m):
+                        far = 0.5 * (own - part[k])
+                        away[k] = max(away[k], abs(far))
+                        part[k] = own + moves[k] * far
+            _product(root, step, other)
+            root, other = other, root
+            going = 0.0
+            for k in range(m):  # one that is there stays, however long others take
+                if away[k] < CONVERGED:
+                    moves[k] = 0.0
+                going += moves[k]
+            if going == 0.0:
+                break
+            _product(square, step, other)
+            square, other = other, square
+        for k in range(m):
+            for i in range(p):
+                for j in range(p):
+                    roots[first + k, i, j] = root[i, j, k] if moves[k] == 0.0 else np.nan
+
+
+@reordered
+def fill_sums(
+    basis: Array, order: NDArray[np.intp], starts: NDArray[np.intp], left: Array, own: NDArray[np.intp], gram: Array,
+    sums: Array,
+) -> None:  # fmt: skip
+    """Fill what clusters have of fits: sums of basis times residuals, (s, R, p), and the squares of some of the bases.
+
+    Parameters
+    ----------
+    basis, left : ndarray, shapes (s, n, p), (s, n)
+        Orthonormal columns; what is left of the readings, whitened.
+    order, starts : ndarray, shapes (s, n), (s, R)
+        Readings by their cluster, and where each cluster begins.
+    own : ndarray, shape (u,)
+        Fits whose squares are wanted.
+    gram, sums : ndarray, shapes (u, R, p, p), (s, R, p)
+        Out.
+    """
+    n, p = basis.shape[1:]
+    for s in range(len(basis)):
+        for cluster in range(starts.shape[1]):
+            stop, total = starts[s, cluster + 1] if cluster + 1 < starts.shape[1] else n, sums[s, cluster]
+            for j in range(p):
+                total[j] = 0.0
+            for i in range(starts[s, cluster], stop):
+                row, size = basis[s, order[s, i]], left[s, order[s, i]]
+                for j in range(p):
+                    total[j] += row[j] * size
+    for u in range(len(own)):
+        s = own[u]
+        for cluster in range(starts.shape[1]):
+            stop, square = starts[s, cluster + 1] if cluster + 1 < starts.shape[1] else n, gram[u, cluster]
+            for a in range(p):
+                for b in range(p):
+                    square[a, b] = 0.0
+            for i in range(starts[s, cluster], stop):
+                row = basis[s, order[s, i]]
+                for a in range(p):
+                    for b in range(p):
+                        square[a, b] += row[a] * row[b]
+
+
+@reordered
+def _multiply(matrix: Array, columns: Array, out: Array) -> None:
+    for a in range(len(out)):
+        row = out[a]
+        for k in range(len(row)):
+            row[k] = 0.0
+        for b in range(len(columns)):
+            entry, other = matrix[a, b], columns[b]
+            for k in range(len(row)):
+                row[k] += entry * other[k]
+
+
+@reordered
+def fill_dof(gram: Array, adjust: Array, along: Array, dof: Array) -> None:
+    """Fill trace squared over that of the square of ``B``, and its trace: `clustered._satterthwaite`.
+
+    Parameters
+    ----------
+    gram, adjust : ndarray, shape (s, R, p, p)
+        As ``Clustered`` has them.
+    along : ndarray, shape (s, p, m)
+        Combinations of the basis.
+    dof : ndarray, shape (s, 2, m)
+        Out.
+    """
+    count, p, m = along.shape
+    moved, seen, whole = np.empty((p, m)), np.empty((p, m)), np.empty((p, p, m))
+    own, size = np.empty(m), np.empty(m)
+    for s in range(count):
+        trace, square = dof[s, 1], dof[s, 0]
+        for k in range(m):
+            trace[k], square[k] = 0.0, 0.0
+        for a in range(p):
+            for b in range(p):
+                for k in range(m):
+                    whole[a, b, k] = 0.0
+        for cluster in range(gram.shape[1]):
+            _multiply(adjust[s, cluster], along[s], moved)
+            _multiply(gram[s, cluster], moved, seen)
+            for k in range(m):
+                own[k], size[k] = 0.0, 0.0
+            for a in range(p):
+                for k in range(m):
+                    own[k] += moved[a, k] * seen[a, k]
+                    size[k] += seen[a, k] * seen[a, k]
+                for b in range(a + 1):
+                    row, one, other = whole[a, b], seen[a], seen[b]
+                    for k in range(m):
+                        row[k] += one[k] * other[k]
+            for k in range(m):
+                trace[k] += own[k] - size[k]
+                square[k] += own[k] * (own[k] - 2.0 * size[k])
+        for a in range(p):
+            for b in range(a + 1):
+                twice = 1.0 if a == b else 2.0
+                for k in range(m):
+                    square[k] += twice * whole[a, b, k] * whole[a, b, k]
+        for k in range(m):
+            square[k] = trace[k] * trace[k] / square[k]

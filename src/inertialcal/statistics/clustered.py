@@ -32,9 +32,11 @@ from numpy.typing import NDArray
 
 from ..core.errors import DataError
 from ..core.estimate import Array
+from ._kernels_levels import fill_dof, fill_inverse_roots, fill_sums
 from .least_squares import Fit, times
 
 ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
+ROUGH = 30.0  # largest inverse root of what others decide that an iteration is trusted with
 FILLED = 3  # times the readings, up to which clusters are filled up to the size of the largest
 UNRESOLVED = 1e-6  # part of a variance that may be unseen before its dof is called 0
 
@@ -143,22 +145,18 @@ def clustered_each(
     names = range(len(fits)) if designs is None else designs
     known = {name: i for i, name in reversed([*enumerate(names)])}
     own = sorted(known.values())
-    n, p = fits[0].basis.shape
-    first = n * np.arange(len(own))[:, None]
-    order, starts = (np.array([members[k][i] for k in own]) + first for i in range(2))
-    shares = Shares(Members(order.ravel(), starts.ravel()), np.concatenate([fits[k].basis for k in own]))
-    gram, adjust = (one.reshape(len(own), -1, p, p) for one in (shares.gram, shares.adjust))
+    order, starts = (np.array(column) for column in zip(*members, strict=True))
+    roots = np.array([one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits])
+    basis = np.array([one.basis for one in fits])
+    sums = np.empty((*starts.shape, basis.shape[2]))
+    gram = np.empty((len(own), *sums.shape[1:], basis.shape[2]))
+    fill_sums(basis, order, starts, roots, np.array(own), gram, sums)
+    adjust = _inverse_root(gram.reshape(-1, *gram.shape[2:])).reshape(gram.shape)
     if len(own) < len(fits):
         place = {k: i for i, k in enumerate(own)}
         at = np.array([place[known[name]] for name in names])
         gram, adjust = gram[at], adjust[at]
-    roots = np.array([one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits])
-    rows = np.arange(len(fits))[:, None]
-    by = np.array([one.order for one in members])
-    moved = np.array([one.basis for one in fits])[rows, by] * roots[rows, by][..., None]
-    sums = np.add.reduceat(moved.reshape(-1, p), (np.array([one.starts for one in members]) + n * rows).ravel())
-    score = times(adjust, sums.reshape(len(fits), -1, p))
-    return [Clustered(fit, *own) for fit, *own in zip(fits, gram, adjust, score, strict=True)]
+    return [Clustered(fit, *own) for fit, *own in zip(fits, gram, adjust, times(adjust, sums), strict=True)]
 
 
 class Shares:
@@ -210,10 +208,15 @@ def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:
 
 def _inverse_root(gram: Array) -> Array:
     """Pseudo-inverse square roots of I - gram, shape (R, p, p)."""
-    share, vectors = np.linalg.eigh(gram)
-    left = 1.0 - share
-    factor = np.where(left > ALONE, 1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)
-    return np.asarray((vectors * factor[:, None, :]) @ vectors.transpose(0, 2, 1), dtype=float)
+    found = np.empty(gram.shape)
+    fill_inverse_roots(np.eye(gram.shape[-1]) - gram, found)
+    hard = np.flatnonzero(~(np.abs(found).max(axis=(1, 2)) < ROUGH))
+    if len(hard):
+        share, vectors = np.linalg.eigh(gram[hard])
+        left = 1.0 - share
+        factor = np.where(left > ALONE, 1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)
+        found[hard] = (vectors * factor[:, None, :]) @ vectors.transpose(0, 2, 1)
+    return found
 
 
 def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
@@ -224,15 +227,7 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     """
     size = np.max(np.abs(to_contrast), axis=2, initial=0.0, keepdims=True)
     to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
-    along = np.matmul(adjust, to_contrast.swapaxes(1, 2)[:, None])  # z_g = Q_g z, shape (s, R, p, m)
-    z = np.ascontiguousarray(along.transpose(0, 3, 1, 2))
-    shared = np.ascontiguousarray(np.matmul(gram, along).transpose(0, 3, 1, 2))  # Q_g' Q_g z
-    own = np.sum(z * shared, axis=3)
-    B = -shared @ shared.swapaxes(2, 3)
-    at = np.arange(own.shape[2])
-    B[:, :, at, at] += own
-    trace = np.trace(B, axis1=2, axis2=3)
-    seen = trace > (1.0 - UNRESOLVED) * np.sum(to_contrast**2, axis=2)
-    dof: Array = np.zeros(trace.shape)
-    dof[seen] = trace[seen] ** 2 / np.sum(B[seen] ** 2, axis=(1, 2))
-    return dof
+    along = np.ascontiguousarray(to_contrast.swapaxes(1, 2))
+    found = np.empty((len(along), 2, along.shape[2]))
+    fill_dof(gram, adjust, along, found)
+    return np.where(found[:, 1] > (1.0 - UNRESOLVED) * np.sum(to_contrast**2, axis=2), found[:, 0], 0.0)

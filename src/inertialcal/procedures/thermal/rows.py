@@ -23,7 +23,8 @@ from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import chi_square_interval, t_interval, t_intervals, t_intervals_each
 from ...statistics.least_squares import fit, times
 from ...statistics.polynomial import Polynomial, powers_from_series_each
-from .fit.cells import Series
+from .fit._kernels_cells import fill_cubic, fill_roots
+from .fit.cells import Once, Series
 from .fit.paths import PathEffect
 from .fit.quantities import at_degrees, power_unit
 from .fit.sensor import OfSensor
@@ -311,7 +312,9 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     """Return the unweighted cubic through all samples after the start-up; None where there are too few."""
     axis = series.axis
     if series.complete:
-        found = series.once(("textbook", cut), lambda: _textbook(series, cut))
+        if ("textbook", cut) not in series.once:
+            _find_cubics([(series, cut)])
+        found: list[_Cubic] | None = series.once["textbook", cut]
         if found is not None:
             return _published(plan, axis, found[list(series.together).index(axis)])
 
@@ -351,38 +354,66 @@ class _Cubic(NamedTuple):
     domain: tuple[float, float]  # Of the temperature [degC]
 
 
-def _textbook(series: Series, cut: float) -> list[_Cubic] | None:
-    """Return the cubics of all sensors that share a thermometer; None where they are to be found step by step.
+def _find_cubics(given: Sequence[tuple[Series, float]]) -> None:
+    """Find the cubics of all sensors of several thermometers, with the cut of each, that `published_fit` wants."""
+    own = {(id(one.once), cut): (one, cut) for one, cut in given if one.complete and ("textbook", cut) not in one.once}
+    kinds: dict[int, list[tuple[Once, float, Array]]] = {}
+    for one, cut in own.values():
+        columns = _used(one, cut)
+        if columns is None:
+            one.once.keep(("textbook", cut), None)
+        else:
+            kinds.setdefault(len(columns), []).append((one.once, cut, columns))
+    for alike in kinds.values():
+        for (once, cut, _), found in zip(alike, _cubics([columns for _, _, columns in alike]), strict=True):
+            once.keep(("textbook", cut), found)
 
-    That is of few samples, which are fitted as they are, and where the moments hardly tell the coefficients apart.
+
+def _used(series: Series, cut: float) -> Array | None:
+    """Return temperature, time and readings of the samples that count, (2 + k, n); None where they are too few.
+
+    Few samples are fitted as they are.
     """
-    T, readings = series.temperature, [*series.together.values()]
-    used = np.isfinite(T) & ~(series.time < cut)  # without a time it counts
-    if not used.all():
-        T, readings = T[used], [one[used] for one in readings]
-    if len(T) <= FEW or (len({*T[:64].tolist()}) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
-        return None
-    domain = float(T.min()), float(T.max())
-    rows, away = _series(T, domain), np.array(readings, dtype=np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
-        middle = away.mean(axis=1, keepdims=True)
-        away -= middle
-        total = np.einsum("kn,kn->k", away, away)
-    square = rows @ rows.copy().T  # of an array by itself numpy calls what is ten times as slow for so few rows
-    try:
-        inverse = np.linalg.inv(square)
-    except np.linalg.LinAlgError:
-        return None
-    if not np.abs(inverse).max() * np.abs(square).max() < APART:
-        return None
+    columns = series.columns
+    used = np.isfinite(columns[0]) & ~(columns[1] < cut)  # without a time it counts
+    columns = columns if used.all() else columns[:, used]
+    T = columns[0]
+    few = len(T) <= FEW or (len({*T[:64].tolist()}) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1)
+    return None if few else columns
+
+
+def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
+    """Return the cubics of the readings of several thermometers, (2 + k, n) each.
+
+    None where the moments hardly tell the coefficients apart: they are to be found step by step.
+    """
+    units, k = len(columns), len(columns[0]) - 2
+    ends = np.array([(one[0].min(), one[0].max()) for one in columns])
+    with np.errstate(over="ignore"):  # values near the end of float64
+        middle, cubic = np.array([one[2:].mean(axis=1) for one in columns]), np.zeros((units, k, ORDER + 1))
+    powers, first, last = np.empty((units, 2 * ORDER + 1)), np.empty((units, k, ORDER + 2)), np.empty((units, k, ORDER + 2))
+    for one, *own in zip(columns, ends, middle, cubic, powers, first, strict=True):
+        fill_cubic(one, *own)
+    at = np.arange(ORDER + 1)
+    square = 0.5 * (powers[:, at[:, None] + at] + powers[:, np.abs(at[:, None] - at)])  # of products of polynomials
+    root = np.empty(square.shape)
+    fill_roots(square, root)
+    told = np.abs(square).max(axis=(1, 2)) * np.sum(root**2, axis=(1, 2)) < APART
+    root[~told] = 0.0
+    inverse = root.swapaxes(1, 2) @ root
     with np.errstate(over="ignore", invalid="ignore"):
-        found = (away @ rows.T) @ inverse
-        left = np.subtract(away, found @ rows, out=away)
-        found += (left @ rows.T) @ inverse  # what rounding left
-        squares = np.einsum("kn,kn->k", left, left)
-    found[:, 0] += middle[:, 0]
-    columns = (found, squares[:, None, None] * inverse, squares.tolist(), total.tolist())
-    return [_Cubic(*one, len(T), domain) for one in zip(*columns, strict=True)]
+        cubic = first[..., :-1] @ inverse
+    for one, *own in zip(columns, ends, middle, cubic, powers, last, strict=True):
+        fill_cubic(one, *own)
+    cubic += last[..., :-1] @ inverse  # what rounding left
+    cubic[..., 0] += middle
+    covariance = last[..., -1, None, None] * inverse[:, None]
+    figures = zip(cubic, covariance, last[..., -1].tolist(), first[..., -1].tolist(), strict=True)
+    found: list[list[_Cubic] | None] = []
+    for one, domain, keep, own in zip(columns, ends.tolist(), told.tolist(), figures, strict=True):
+        size, its = one.shape[1], (domain[0], domain[1])
+        found.append([_Cubic(*each, size, its) for each in zip(*own, strict=True)] if keep else None)
+    return found
 
 
 def _published(plan: Plan, axis: str, cubic: _Cubic) -> Published:
@@ -423,6 +454,7 @@ _Known = tuple[Sequence[Interval | None], tuple[float, float], PublishedRows]
 
 def published_each(sensors: Sequence[tuple[Plan, OfSensor]]) -> list[PublishedRows]:
     """Return the published fit of each of several sensors."""
+    _find_cubics([(one.series, one.start_up.cut) for _, one in sensors])
     fits = [published_fit(plan, one.series, one.start_up.cut) for plan, one in sensors]
     held = [one.polynomial for one in fits if one is not None]
     about = [0.0 if one.volts else plan.reference_temperature

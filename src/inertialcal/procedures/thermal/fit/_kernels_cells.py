@@ -9,75 +9,130 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from ....statistics._kernels import compiled
+from ....statistics._kernels import compiled, reordered
 
 NONE = -1  # in place of a bin
 
 
-@compiled
-def find_bins(
-    columns: Array, readings: int, path: NDArray[np.int8], ends: Array, cut: float, bins: NDArray[np.int64],
-    left: NDArray[np.int64],
+@reordered
+def add_cells(
+    columns: Array, readings: int, path: NDArray[np.int8], bounds: NDArray[np.int64], ends: Array, cut: float,
+    count: Array, means: Array, squares: Array, left: NDArray[np.int64],
 ) -> None:  # fmt: skip
-    """Find the bin of each sample, the first one from ``ends[0]`` on and ``ends[1]`` wide; count those in none by rule.
+    """Add samples to those of each ramp and bin: their number, the means of all rows, squares about these means.
 
-    No reading or temperature, before a time, on no path.
+    Parameters
+    ----------
+    columns : ndarray, shape (2 + k, n)
+        Rows as above, the readings first among those from the third on.
+    readings : int
+        How many there are.
+    path : ndarray, shape (n,)
+        Way of each sample; 0 on none.
+    bounds : ndarray, shape (r, 2)
+        The first sample of each ramp, and the one behind its last.
+    ends : ndarray, shape (2,)
+        Where the first bin begins, and how wide a bin is [degC].
+    cut : float
+        Time before which nothing counts [s].
+    count, means : ndarray, shapes (r, b), (r, 2 + k, b)
+        In and out.
+    squares : ndarray, shape (r, 3 + 2 readings, b)
+        In and out: of temperature, time, temperature with time, each reading, and temperature with each reading.
+    left : ndarray, shape (3,)
+        In and out: samples in no bin. No reading or temperature, before the time, on no path.
     """
-    for i in range(columns.shape[1]):
+    rows, n = columns.shape
+    bins, mean = np.empty(n, dtype=np.int64), np.empty(rows)
+    for i in range(n):
         valid = np.isfinite(columns[0, i])
         for j in range(2, 2 + readings):
             valid = valid and np.isfinite(columns[j, i])
-        rule = -1
+        bins[i] = NONE
         if not valid:
-            rule = 0
+            left[0] += 1
         elif columns[1, i] < cut:
-            rule = 1
+            left[1] += 1
         elif path[i] == 0:
-            rule = 2
-        if rule >= 0:
-            left[rule] += 1
-            bins[i] = NONE
+            left[2] += 1
         else:
-            bins[i] = int((columns[0, i] - ends[0]) / ends[1])
-
-
-@compiled
-def add_sums(
-    columns: Array, bounds: NDArray[np.int64], bins: NDArray[np.int64], count: Array, sums: Array
-) -> None:  # fmt: skip
-    """Add to the number of samples in each bin, (r, b), and to the sums of all rows, (r, 2 + k, b), ramp by ramp.
-
-    Each ramp is from one of its two bounds, shape (r, 2), to before the other.
-    """
+            bins[i] = min(int((columns[0, i] - ends[0]) / ends[1]), count.shape[1] - 1)
     for ramp in range(len(bounds)):
-        for i in range(bounds[ramp, 0], bounds[ramp, 1]):
-            at = min(bins[i], count.shape[1] - 1)
-            if at >= 0:
-                count[ramp, at] += 1.0
-                for j in range(columns.shape[0]):
-                    sums[ramp, j, at] += columns[j, i]
+        stop = bounds[ramp, 0]
+        while stop < bounds[ramp, 1]:  # a stretch of samples in one bin
+            start, at = stop, bins[stop]
+            while stop < bounds[ramp, 1] and bins[stop] == at:
+                stop += 1
+            if at < 0:
+                continue
+            size, before = float(stop - start), count[ramp, at]
+            share = size / (before + size)
+            for j in range(rows):
+                total, row = 0.0, columns[j, start:stop]
+                for i in range(len(row)):
+                    total += row[i]
+                mean[j] = total / size
+            warm, middle, apart = columns[0, start:stop], mean[0], mean[0] - means[ramp, 0, at]
+            for j in range(2 + readings):
+                own, along, row, level = 0.0, 0.0, columns[j, start:stop], mean[j]
+                for i in range(len(row)):
+                    away = row[i] - level
+                    own += away * away
+                    along += away * (warm[i] - middle)
+                far = level - means[ramp, j, at]
+                to = j if j < 2 else 1 + j
+                squares[ramp, to, at] += own + before * share * far * far
+                if j > 0:
+                    to = 2 if j == 1 else 1 + readings + j
+                    squares[ramp, to, at] += along + before * share * far * apart
+            for j in range(rows):
+                means[ramp, j, at] += share * (mean[j] - means[ramp, j, at])
+            count[ramp, at] = before + size
 
 
-@compiled
-def add_squares(
-    columns: Array, readings: int, bounds: NDArray[np.int64], bins: NDArray[np.int64], means: Array, squares: Array
-) -> None:  # fmt: skip
-    """Add to the sums of squares about the means, (r, 2 + k, b), by ramp and bin: shape (r, 3 + 2 readings, b).
+@reordered
+def fill_cubic(columns: Array, ends: Array, middle: Array, cubic: Array, powers: Array, along: Array) -> None:
+    """Fill sums of Chebyshev polynomials of the temperature, and of these times what cubics leave of the readings.
 
-    Of temperature, time, temperature with time, each reading, and temperature with each reading.
+    Parameters
+    ----------
+    columns : ndarray, shape (2 + k, n)
+        Rows as above, finite but for the time.
+    ends : ndarray, shape (2,)
+        Of the temperature, between which the polynomials go from -1 to 1 [degC].
+    middle, cubic : ndarray, shapes (k,), (k, 4)
+        Taken off the readings: a level, and coefficients of the first four polynomials.
+    powers : ndarray, shape (7,)
+        Out: sums of the polynomials.
+    along : ndarray, shape (k, 5)
+        Out: sums of the first four times what is left, and of its squares.
     """
-    for ramp in range(len(bounds)):
-        for i in range(bounds[ramp, 0], bounds[ramp, 1]):
-            at = min(bins[i], means.shape[2] - 1)
-            if at >= 0:
-                warm, time = columns[0, i] - means[ramp, 0, at], columns[1, i] - means[ramp, 1, at]
-                squares[ramp, 0, at] += warm * warm
-                squares[ramp, 1, at] += time * time
-                squares[ramp, 2, at] += warm * time
-                for j in range(readings):
-                    own = columns[2 + j, i] - means[ramp, 2 + j, at]
-                    squares[ramp, 3 + j, at] += own * own
-                    squares[ramp, 3 + readings + j, at] += warm * own
+    n = columns.shape[1]
+    x, second, third, warm = np.empty(n), np.empty(n), np.empty(n), columns[0]
+    one, two, three, four, five, six = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        x[i] = (2.0 * warm[i] - ends[0] - ends[1]) / (ends[1] - ends[0])
+        second[i] = 2.0 * x[i] * x[i] - 1.0
+        third[i] = 2.0 * x[i] * second[i] - x[i]
+        one += x[i]
+        two += second[i]
+        three += third[i]
+        four += 2.0 * second[i] * second[i] - 1.0
+        five += 2.0 * second[i] * third[i] - x[i]
+        six += 2.0 * third[i] * third[i] - 1.0
+    powers[0], powers[1], powers[2], powers[3], powers[4], powers[5], powers[6] = n, one, two, three, four, five, six
+    for j in range(len(along)):
+        row, level = columns[2 + j], middle[j] + cubic[j, 0]
+        slope, bend, twist = cubic[j, 1], cubic[j, 2], cubic[j, 3]
+        zero, one, two, three, square = 0.0, 0.0, 0.0, 0.0, 0.0
+        for i in range(n):
+            left = row[i] - level - slope * x[i] - bend * second[i] - twist * third[i]
+            zero += left
+            one += left * x[i]
+            two += left * second[i]
+            three += left * third[i]
+            square += left * left
+        along[j, 0], along[j, 1], along[j, 2], along[j, 3], along[j, 4] = zero, one, two, three, square
 
 
 @compiled

@@ -12,7 +12,7 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from types import MappingProxyType
@@ -98,13 +98,17 @@ class Series:
         return self.once("together", lambda: {self.axis: self.reading})
 
     @property
+    def columns(self) -> Array:
+        """Temperature, time, and the readings of all sensors that share them, shape (2 + k, n): of a short record."""
+        return self.once("columns", lambda: np.array([self.temperature, self.time, *self.together.values()], dtype=float))
+
+    @property
     def complete(self) -> bool:
         """Whether all sensors of the thermometer were read wherever it was, this one among them, in a short record."""
 
         def found() -> bool:
-            known = np.isfinite(self.temperature)
-            whole = bool(known.all())
-            return all(bool(np.isfinite(one if whole else one[known]).all()) for one in self.together.values())
+            known, read = np.isfinite(self.columns[0]), np.isfinite(self.columns[2:])
+            return bool(read.all() or read[:, known].all())
 
         return self.short and self.reading is self.together.get(self.axis) and self.once("complete", found)
 
@@ -387,7 +391,7 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         found = series.once(_key(plan, cut), lambda: _cells_each([(plan, series, cut)])[0])
         at = list(series.together).index(series.axis)
     else:
-        found, at = _of_one_shape(plan.bins, [(plan, series, cut)], [[series.reading]])[0], 0
+        found, at = _of_one_shape(plan.bins, [(plan, series, cut)], alone=True)[0], 0
     if isinstance(found, _Refused):
         raise found.error(series)
     return found[at]
@@ -437,7 +441,7 @@ def _cells_each(given: Sequence[tuple[Plan, Series, float]]) -> list[list[Cells]
     found: dict[int, list[Cells] | _Refused] = {}
     for (bins, *_), at in kinds.items():
         own = [given[i] for i in at]
-        found.update(zip(at, _of_one_shape(bins, own, [[*one.together.values()] for _, one, _ in own]), strict=True))
+        found.update(zip(at, _of_one_shape(bins, own), strict=True))
     return [found[i] for i in range(len(given))]
 
 
@@ -445,96 +449,59 @@ def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) ->
     """Return cells of a sensor with the rate of the temperature as a lag smooths it, mean over each."""
     slow = series.smoothed(lag)
     assert slow.rate is not None  # noqa: S101 - the series has it
-    count = np.zeros((len(slow.ramps), plan.bins))
-    sums = np.zeros((len(count), 4, plan.bins))
-    readings = [slow.reading]
-    _sums(plan, slow, cut, 1, _parts(slow, readings), count, sums)
-    at = cells.ramp, cells.bin
-    return cells.changed(rate=sums[:, -1][at] / count[at])
+    sums = _Sums.of(1, len(slow.ramps), plan.bins, 1, rated=True)
+    sums.add(0, plan, slow, cut, True)
+    return cells.changed(rate=sums.means[0, :, -1][cells.ramp, cells.bin])
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """Samples of some ramps."""
+class _Sums(NamedTuple):
+    """What the samples of k readings have in each bin of each ramp, of several clocks."""
 
-    ramps: slice  # Their numbers
-    bounds: Indices  # shape (r, 2): the first sample of each, and the one behind the last
-    columns: Array  # shape (2 + k, n): temperature, time, readings, and the rate where there is one
-    path: Paths  # shape (n,)
-    bins: Indices  # shape (n,): which bin each is in, to be found
+    count: Array  # shape (u, r, b): how many
+    means: Array  # shape (u, r, 2 + k, b): of temperature, time, readings, and the rate where there is one
+    squares: Array  # shape (u, r, 3 + 2 k, b): about the means, as ``_kernels_cells.add_cells`` has them
+    left: Indices  # shape (u, 3): in no bin, by rule: no reading or temperature, before the start-up is over, on no path
 
+    @classmethod
+    def of(cls, units: int, ramps: int, bins: int, k: int, rated: bool) -> _Sums:
+        """Return those of no sample."""
+        rows = (2 + k + rated, 3 + 2 * k)
+        means, squares = (np.zeros((units, ramps, row, bins)) for row in rows)
+        return cls(np.zeros((units, ramps, bins)), means, squares, np.zeros((units, 3), dtype=np.int64))
 
-def _parts(series: Series, readings: Sequence[Array]) -> Iterable[_Part]:
-    """Return the samples of some readings on one clock: of a long record, a batch of a ramp at a time."""
-    rates = [] if series.rate is None else [series.rate]
+    def add(self, u: int, plan: Plan, series: Series, cut: float, alone: bool) -> None:
+        """Add the samples of a sensor, ``alone``, or of all that share its thermometer: of a long record in batches."""
+        lowest, highest = series.span
+        ends = np.array([lowest, (highest - lowest) / plan.bins])
+        rows = [series.temperature, series.time, series.reading, *([] if series.rate is None else [series.rate])]
+        k = 1 if alone else len(series.together)
 
-    def part(ramps: slice, bounds: Sequence[tuple[int, int]], own: slice) -> _Part:
-        rows = (series.temperature, series.time, *readings, *rates)
-        columns = np.array([one[own] for one in rows], dtype=np.float64)
-        path = np.array(series.path[own], dtype=np.int8)
-        return _Part(ramps, np.array(bounds, dtype=np.int64), columns, path, np.empty(len(path), dtype=np.int64))
+        def part(ramps: slice, bounds: Sequence[tuple[int, int]], own: slice) -> None:
+            columns = np.array([one[own] for one in rows], dtype=np.float64) if alone else series.columns
+            path, limits = np.ascontiguousarray(series.path[own], dtype=np.int8), np.array(bounds, dtype=np.int64)
+            found = (one[u, ramps] for one in (self.count, self.means, self.squares))
+            kernels.add_cells(columns, k, path, limits, ends, cut, *found, self.left[u])
 
-    if series.short:
-        return [part(slice(None), [(one.start, one.stop) for one in series.ramps], slice(None))]
-    return _Again(lambda: (part(slice(ramp, ramp + 1), [(0, own.stop - own.start)], own)
-                           for ramp, own in series.batches()))  # fmt: skip
-
-
-class _Again:
-    """What is made anew each time that it is gone through."""
-
-    def __init__(self, make: Callable[[], Iterator[_Part]]) -> None:
-        self._make = make
-
-    def __iter__(self) -> Iterator[_Part]:
-        return self._make()
-
-
-def _sums(plan: Plan, series: Series, cut: float, k: int, parts: Iterable[_Part], count: Array, sums: Array) -> Indices:
-    """Add up how many samples of k readings each bin of each ramp has, (r, b), and the columns, (r, 2 + k, b).
-
-    Returns how many are in none, by rule: no reading or temperature, before the start-up is over, on no path. The bins
-    of all are found.
-    """
-    ends, left = _edges(plan, series), np.zeros(3, dtype=np.int64)
-    for part in parts:
-        kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, left)
-        kernels.add_sums(part.columns, part.bounds, part.bins, count[part.ramps], sums[part.ramps])
-    return left
-
-
-def _squares(plan: Plan, series: Series, cut: float, k: int, parts: Iterable[_Part], means: Array, out: Array) -> None:
-    """Add up the squares about the means of each ramp and bin, (r, 3 + 2 k, b), in another pass."""
-    ends = _edges(plan, series)
-    for part in parts:
-        if not isinstance(parts, list):
-            kernels.find_bins(part.columns, k, part.path, ends, cut, part.bins, np.zeros(3, dtype=np.int64))
-        kernels.add_squares(part.columns, k, part.bounds, part.bins, means[part.ramps], out[part.ramps])
-
-
-def _edges(plan: Plan, series: Series) -> Array:
-    """Return where the first bin begins, and how wide a bin is [degC]."""
-    lowest, highest = series.span
-    return np.array([lowest, (highest - lowest) / plan.bins])
+        if series.short:
+            part(slice(None), [(one.start, one.stop) for one in series.ramps], slice(None))
+            return
+        for ramp, own in series.batches():
+            part(slice(ramp, ramp + 1), [(0, own.stop - own.start)], own)
 
 
 def _of_one_shape(
-    bins: int, given: Sequence[tuple[Plan, Series, float]], readings: Sequence[Sequence[Array]]
+    bins: int, given: Sequence[tuple[Plan, Series, float]], alone: bool = False
 ) -> list[list[Cells] | _Refused]:
-    """Return the cells of some readings on each of several clocks with as many ramps, in two passes.
+    """Return the cells of all sensors of each of several clocks with as many ramps, or of the one that is given alone.
 
     What lies in or next to the temperatures that were seen on both paths is used; all of it with one path only.
     """
-    series, k = [one for _, one, _ in given], len(readings[0])
-    shape, rated = (len(given), len(series[0].ramps), bins), series[0].rate is not None
-    count, left = np.zeros(shape), np.zeros((len(given), 3), dtype=np.int64)
-    sums = np.zeros((*shape[:2], 2 + k + rated, bins))
-    means, squares = np.zeros(sums.shape), np.zeros((*shape[:2], 3 + 2 * k, bins))
-    for i, ((plan, one, cut), own) in enumerate(zip(given, readings, strict=True)):
-        parts = _parts(one, own)
-        left[i] = _sums(plan, one, cut, k, parts, count[i], sums[i])
-        np.divide(sums[i], np.maximum(count[i], 1.0)[:, None], out=means[i])
-        _squares(plan, one, cut, k, parts, means[i], squares[i])
+    series = [one for _, one, _ in given]
+    k, rated = 1 if alone else len(series[0].together), series[0].rate is not None
+    sums = _Sums.of(len(given), len(series[0].ramps), bins, k, rated)
+    for i, one in enumerate(given):
+        sums.add(i, *one, alone)
+    count, means, squares, left = sums
     numbers = np.flatnonzero(count)
     samples = count.ravel()[numbers]
     (mean_T, mean_t), mean_y = np.split(_by_row(means, numbers)[: 2 + k], [2])
@@ -543,13 +510,13 @@ def _of_one_shape(
     rate = np.divide(cov_Tt, var_t, out=np.full(len(samples), np.nan), where=var_t > 0.0)
     taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(cov_Ty), where=var_T > 0.0)
     scatter = np.sqrt(np.maximum(var_y - taken, 0.0) * samples / np.maximum(samples - 2.0, 1.0))
-    unit, rest = np.divmod(numbers, shape[1] * bins)
+    unit, rest = np.divmod(numbers, count[0].size)
     ramp, number = np.divmod(rest, bins)
     way = np.array([one.ways for one in series])[unit, ramp]
     run = np.array([one.runs_of_ramps for one in series])[unit, ramp]
     sized = np.sort(count.reshape(len(given), -1))
     filled = np.bincount(unit, minlength=len(given))
-    middle = [sized[range(len(given)), np.minimum(bins * shape[1] - filled + at, bins * shape[1] - 1)]
+    middle = [sized[range(len(given)), np.minimum(count[0].size - filled + at, count[0].size - 1)]
               for at in ((filled - 1) // 2, filled // 2)]  # fmt: skip
     full = samples >= np.maximum(FEWEST, SPARSE * 0.5 * (middle[0] + middle[1]))[unit]
     refused: dict[int, _Refused] = {}
@@ -558,7 +525,7 @@ def _of_one_shape(
         refused[i] = _Refused("few_samples" if filled[i] else none)
     flat = {
         "temperature": mean_T, "spread": var_T, "samples": samples, "time": mean_t, "path": way, "run": run,
-        "ramp": ramp, "bin": number, "rate": _by_row(sums[:, :, -1:], numbers)[0] / samples if rated else rate,
+        "ramp": ramp, "bin": number, "rate": _by_row(means[:, :, -1:], numbers)[0] if rated else rate,
         "readings": mean_y, "scatters": scatter, "unit": unit, "full": full,
     }  # fmt: skip
     if refused:
