@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.least_squares import Fit, decompose, fit, fit_correlated, symmetric_inverse
+from inertialcal.statistics.least_squares import Fit, decompose, fit, fit_correlated, fit_each, symmetric_inverse
 
 STRD = Path(__file__).parent / "strd"
 
@@ -256,8 +256,9 @@ def test_a_design_with_one_column_more_is_that_design(apart: float) -> None:
     rng = np.random.default_rng(3)
     design, y = rng.normal(size=(40, 3)) * [1.0, 1e3, 1e-3], rng.normal(size=40)
     column = design @ [1.0, 1e-3, 1e3] + apart * rng.normal(size=40)
-    both = decompose(design, "abc").with_column(column)
-    more = fit(both.design, y, decomposed=both)
+    designs = np.array([rng.normal(size=design.shape), design])
+    both = decompose(designs, "abc").with_columns(np.array([1, 0, 1]), np.array([column, y, y]))
+    more = fit_each(both, np.array([1, 0]), np.array([column, y]), "abcd")[1]
     whole = fit(np.column_stack([design, column]), y)
     assert more.coefficients == pytest.approx(whole.coefficients, rel=1e-6)
     assert more.residuals == pytest.approx(whole.residuals, abs=1e-9)
@@ -268,4 +269,4 @@ def test_a_design_with_one_column_more_is_that_design(apart: float) -> None:
 def test_a_column_that_the_others_give_is_refused_as_in_one_fit() -> None:
     design = np.random.default_rng(4).normal(size=(9, 2))
     with pytest.raises(DataError, match="cannot tell"):
-        decompose(design, "ab").with_column(design @ [1.0, -2.0])
+        decompose(design[None], "ab").with_columns(np.array([0]), design[None] @ [1.0, -2.0])

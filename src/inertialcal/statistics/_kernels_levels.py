@@ -469,3 +469,104 @@ def fill_dof(gram: Array, adjust: Array, along: Array, dof: Array) -> None:
                     square[k] += twice * whole[a, b, k] * whole[a, b, k]
         for k in range(m):
             square[k] = trace[k] * trace[k] / square[k]
+
+
+@reordered
+def fill_fits(
+    basis: Array, transform: Array, of: NDArray[np.intp], readings: Array, coefficients: Array, residuals: Array
+) -> None:
+    """Fill fits to readings, shape (s, n), each by one of several bases.
+
+    Parameters
+    ----------
+    basis, transform : ndarray, shapes (u, n, p), (u, p, p)
+        As ``Decomposed`` has them.
+    of : ndarray, shape (s,)
+        Number of the basis of each.
+    readings : ndarray, shape (s, n)
+        Whitened.
+    coefficients, residuals : ndarray, shapes (s, p), (s, n)
+        Out.
+    """
+    n, p = basis.shape[1:]
+    along = np.empty(p)
+    for s in range(len(of)):
+        own, turned, y, left = basis[of[s]], transform[of[s]], readings[s], residuals[s]
+        _along(own, y, along)
+        _less(own, y, along, left)
+        for a in range(p):
+            total = 0.0
+            for b in range(p):
+                total += turned[a, b] * along[b]
+            coefficients[s, a] = total
+
+
+@reordered
+def _along(basis: Array, x: Array, along: Array) -> None:
+    """Fill the parts of readings along the columns of a basis, shape (n, p)."""
+    for j in range(len(along)):
+        along[j] = 0.0
+    for i in range(len(x)):
+        row, value = basis[i], x[i]
+        for j in range(len(along)):
+            along[j] += row[j] * value
+
+
+@reordered
+def _less(basis: Array, x: Array, along: Array, left: Array) -> None:
+    """Fill readings less parts along the columns of a basis, shape (n, p)."""
+    for i in range(len(x)):
+        row, value = basis[i], x[i]
+        for j in range(len(along)):
+            value -= row[j] * along[j]
+        left[i] = value
+
+
+@reordered
+def fill_wider(
+    basis: Array, transform: Array, of: NDArray[np.intp], columns: Array, wide: Array, turned: Array
+) -> float:
+    """Fill bases with a column more: its part that those of one of several bases leave, taken off twice.
+
+    Parameters
+    ----------
+    basis, transform, of : ndarray, shapes (u, n, p), (u, p, p), (s,)
+        As `fill_fits` takes them.
+    columns : ndarray, shape (s, n)
+        One more of each.
+    wide, turned : ndarray, shapes (s, n, p + 1), (s, p + 1, p + 1)
+        Out.
+
+    Returns
+    -------
+    float
+        The least share of a column that is left; where it is nought, the rest is not filled.
+    """
+    n, p = basis.shape[1:]
+    along, again, left, least = np.empty(p), np.empty(p), np.empty(n), 1.0
+    for s in range(len(of)):
+        own, old, column = basis[of[s]], transform[of[s]], columns[s]
+        _along(own, column, along)
+        _less(own, column, along, left)
+        _along(own, left, again)
+        _less(own, left, again, left)
+        square, whole = 0.0, 0.0
+        for i in range(n):
+            square += left[i] * left[i]
+            whole += column[i] * column[i]
+        size = np.sqrt(square)
+        if not size > 0.0:
+            return 0.0
+        least = min(least, size / np.sqrt(whole))
+        for i in range(n):
+            for j in range(p):
+                wide[s, i, j] = own[i, j]
+            wide[s, i, p] = left[i] / size
+        for a in range(p):
+            total = 0.0
+            for b in range(p):
+                total += old[a, b] * (along[b] + again[b])
+                turned[s, a, b] = old[a, b]
+            turned[s, a, p], turned[s, p, a] = -total / size, 0.0
+        turned[s, p, p] = 1.0 / size
+    return least

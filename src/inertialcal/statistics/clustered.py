@@ -32,7 +32,6 @@ from numpy.typing import NDArray
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from ._kernels_levels import fill_dof, fill_inverse_roots, fill_sums
 from .least_squares import Fit, times
 
 ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
@@ -142,6 +141,8 @@ def clustered_each(
 
     Fits of one design, by its name in ``designs``, have the same basis and members: what these share is found once.
     """
+    from ._kernels_levels import fill_sums  # noqa: PLC0415 - numba starts slowly
+
     names = range(len(fits)) if designs is None else designs
     known = {name: i for i, name in reversed([*enumerate(names)])}
     own = sorted(known.values())
@@ -208,6 +209,8 @@ def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:
 
 def _inverse_root(gram: Array) -> Array:
     """Pseudo-inverse square roots of I - gram, shape (R, p, p)."""
+    from ._kernels_levels import fill_inverse_roots  # noqa: PLC0415 - numba starts slowly
+
     found = np.empty(gram.shape)
     fill_inverse_roots(np.eye(gram.shape[-1]) - gram, found)
     hard = np.flatnonzero(~(np.abs(found).max(axis=(1, 2)) < ROUGH))
@@ -225,6 +228,8 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     Under the working model the variance is a quadratic form in independent errors, with the matrix
     ``B_gh = z_g' (I - H)_gh z_h`` between clusters, ``z_g = A_g X_g M c``; dof = (tr B)² / tr(B²).
     """
+    from ._kernels_levels import fill_dof  # noqa: PLC0415 - numba starts slowly
+
     size = np.max(np.abs(to_contrast), axis=2, initial=0.0, keepdims=True)
     to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
     along = np.ascontiguousarray(to_contrast.swapaxes(1, 2))

@@ -19,7 +19,7 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -40,10 +40,8 @@ class Fit:
     """Coefficients with what is needed to judge them."""
 
     coefficients: Array  # in unit of reading over unit of column, (p,)
-    covariance: Array | None  # of the coefficients; None with no degrees of freedom, (p, p)
     dof: float  # degrees of freedom of the covariance
     residuals: Array  # reading less fitted value, (n,) [unit of the readings]
-    leverage: Array  # change of the fitted value with its own reading; 1 where a reading alone decides, (n,)
     # weighted sum of squared residuals over n - p; None when n is p. Near 1 expected where the covariance of the
     # readings was given.
     mean_square: float | None
@@ -52,7 +50,26 @@ class Fit:
     names: tuple[str, ...]  # of the coefficients
     basis: Array  # orthonormal basis of the whitened design, (n, p)
     transform: Array  # ``coefficients = transform @ basis.T @ whitened readings``, (p, p)
-    given: bool = False  # the covariance of the readings was given
+    root: Array | None = None  # lower Cholesky factor of the covariance of the readings, where it was given, (n, n)
+
+    @property
+    def given(self) -> bool:
+        """Whether the covariance of the readings was given."""
+        return self.root is not None
+
+    @cached_property
+    def covariance(self) -> Array | None:
+        """Covariance of the coefficients, shape (p, p); None with no degrees of freedom."""
+        size = 1.0 if self.given else self.mean_square
+        return None if size is None else size * self.transform @ self.transform.T
+
+    @cached_property
+    def leverage(self) -> Array:
+        """Change of the fitted value with its own reading, shape (n,); 1 where a reading alone decides."""
+        if self.root is None:
+            return np.asarray(np.sum(self.basis**2, axis=1))
+        pull = linalg.solve_triangular(self.root, self.basis, lower=True, trans="T")  # rows of V^-1/2' Q
+        return np.asarray(np.sum((self.design @ self.transform) * pull, axis=1))
 
     @property
     def u(self) -> Array:
@@ -66,11 +83,10 @@ class Fit:
         return np.sqrt(np.diag(self.need_covariance()))
 
     @classmethod
-    def of_own(cls, shared: Mapping[str, object], fields: Iterable[tuple[str, object]]) -> Fit:
+    def of_own(cls, shared: Mapping[str, object], **fields: object) -> Fit:
         """Return a fit of all its fields; the constructor takes several times as long."""
         found = object.__new__(cls)
-        found.__dict__.update(shared)
-        found.__dict__.update(fields)
+        found.__dict__.update(shared, **fields)
         return found
 
     @property
@@ -153,10 +169,8 @@ def fit(
     mean_square = float(np.sum((residuals if root is None else residuals * root) ** 2)) / dof if dof else None
     return Fit(
         coefficients=coefficients,
-        covariance=None if mean_square is None else mean_square * transform @ transform.T,
         dof=float(dof),
         residuals=residuals,
-        leverage=np.sum(basis**2, axis=1),
         mean_square=mean_square,
         design=design,
         weights=None if weights is None else np.asarray(weights, dtype=float),
@@ -166,32 +180,40 @@ def fit(
     )
 
 
-def fit_each(decomposed: Decomposed, readings: Array, names: Sequence[str]) -> list[Fit]:
-    """Return the fits of sets of readings, shape (s, n), each by a design of its own, as `fit` does without weights.
+def fit_each(decomposed: Decomposed, of: NDArray[np.intp], readings: Array, names: Sequence[str]) -> list[Fit]:
+    """Return the fits of sets of readings, each by one of several designs, as `fit` does without weights.
 
     Parameters
     ----------
     decomposed : Decomposed
-        Of all designs, shape (s, n, p).
+        Of designs, shape (u, n, p).
+    of : ndarray, shape (s,)
+        Number of the design of each set.
     readings : ndarray, shape (s, n)
         Finite.
     names : sequence of str
         Of the columns.
     """
+    from ._kernels_levels import fill_fits  # noqa: PLC0415 - numba starts slowly
+
     design, basis, transform = decomposed.design, decomposed.basis, decomposed.transform
-    coefficients = decomposed.coefficients(readings)
-    residuals = readings - times(design, coefficients)
+    coefficients, residuals = np.empty((len(of), design.shape[2])), np.empty(readings.shape)
+    fill_fits(basis, transform, of, readings, coefficients, residuals)
+    alike = np.flatnonzero(decomposed.alike[of])
+    if len(alike):
+        own = decomposed.take(of[alike])
+        coefficients[alike] = own.coefficients(readings[alike])
+        residuals[alike] = readings[alike] - times(own.design, coefficients[alike])
     dof, labels = design.shape[1] - design.shape[2], tuple(names)
-    square = np.sum(residuals**2, axis=1) / dof if dof else np.full(len(readings), np.nan)
-    covariance = square[:, None, None] * (transform @ transform.swapaxes(1, 2))
-    nothing = [None] * len(readings)
-    columns = {
-        "coefficients": coefficients, "covariance": covariance if dof else nothing, "residuals": residuals,
-        "leverage": np.sum(basis**2, axis=2), "mean_square": square.tolist() if dof else nothing, "design": design,
-        "basis": basis, "transform": transform,
-    }  # fmt: skip
-    shared = {"dof": float(dof), "weights": None, "names": labels, "given": False}
-    return [Fit.of_own(shared, zip(columns, own, strict=True)) for own in zip(*columns.values(), strict=True)]
+    square = np.sum(residuals**2, axis=1) / max(dof, 1)
+    shared = {"dof": float(dof), "weights": None, "names": labels, "root": None}
+    means = square.tolist() if dof else [None] * len(readings)
+    each = zip(of.tolist(), coefficients, residuals, means, strict=True)
+    return [
+        Fit.of_own(shared, coefficients=one, residuals=left, mean_square=mean, design=design[u], basis=basis[u],
+                   transform=transform[u])
+        for u, one, left, mean in each
+    ]  # fmt: skip
 
 
 def fit_correlated(design: Array, readings: Array, covariance: Array, names: Sequence[str] | None = None) -> Fit:
@@ -222,20 +244,17 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
     coefficients = decomposed.coefficients(white[:, -1], always=True)
     free = readings.size - len(labels)
     chi_square = float(np.sum((white[:, -1] - white[:, :-1] @ coefficients) ** 2))
-    pull = linalg.solve_triangular(root, basis, lower=True, trans="T")  # rows of V^-1/2' Q
     return Fit(
         coefficients=coefficients,
-        covariance=transform @ transform.T,
         dof=np.inf,
         residuals=readings - design @ coefficients,
-        leverage=np.sum((design @ transform) * pull, axis=1),
         mean_square=chi_square / free if free else None,
         design=design,
         weights=None,
         names=labels,
         basis=basis,
         transform=transform,
-        given=True,
+        root=root,
     )
 
 
@@ -260,25 +279,17 @@ class Decomposed:
     transform: Array  # ``coefficients = transform @ basis.T @ readings``, (..., p, p)
     length: Array  # of its columns, (..., p)
 
-    def with_column(self, column: Array) -> Decomposed:
-        """Return the decomposition with one column more, shape (..., n), finite; raises as `decompose`."""
-        n, p = self.design.shape[-2:]
-        design = np.concatenate([self.design, column[..., None]], axis=-1)
-        back = self.basis.swapaxes(-1, -2)
-        along = times(back, column)
-        left = column - times(self.basis, along)
-        again = times(back, left)
-        left, along = left - times(self.basis, again), along + again  # twice is enough
-        size = np.sqrt(np.sum(left**2, axis=-1))
-        if n <= p or not np.all(size > APART * np.sqrt(np.sum(column**2, axis=-1))):
+    def with_columns(self, of: NDArray[np.intp], columns: Array) -> Decomposed:
+        """Return those of several with a column more, shape (s, n), finite, by their numbers; raises as `decompose`."""
+        from ._kernels_levels import fill_wider  # noqa: PLC0415 - numba starts slowly
+
+        n, p = self.design.shape[1:]
+        wide, turned = np.empty((len(of), n, p + 1)), np.empty((len(of), p + 1, p + 1))
+        design = np.concatenate([self.design[of], columns[..., None]], axis=2)
+        if n <= p or not fill_wider(self.basis, self.transform, of, columns, wide, turned) > APART:
             return decompose(design, [f"column {i}" for i in range(p + 1)])
-        transform = np.zeros((*size.shape, p + 1, p + 1))
-        transform[..., :p, :p] = self.transform
-        transform[..., :p, p] = times(self.transform, along) / -size[..., None]
-        transform[..., p, p] = 1.0 / size
-        basis = np.concatenate([self.basis, (left / size[..., None])[..., None]], axis=-1)
-        length = np.concatenate([self.length, np.sqrt(np.sum(column**2, axis=-1))[..., None]], axis=-1)
-        return Decomposed(design, basis, transform, length)
+        length = np.column_stack([self.length[of], np.sqrt(np.sum(columns**2, axis=1))])
+        return Decomposed(design, wide, turned, length)
 
     def coefficients(self, readings: Array, always: bool = False) -> Array:
         """Return the coefficients of readings, shape (..., n), each set by itself: (..., p).
@@ -287,7 +298,7 @@ class Decomposed:
         """
         back = self.basis.swapaxes(-1, -2)
         found = times(self.transform, times(back, readings))
-        alike = np.ones(self._alike.shape, dtype=bool) if always else self._alike
+        alike = np.ones(self.alike.shape, dtype=bool) if always else self.alike
         if not alike.any():
             return found
         if alike.ndim and not alike.all():
@@ -301,7 +312,7 @@ class Decomposed:
         return found + times(self.transform, times(back, missed) + times(turned, along))
 
     @cached_property
-    def _alike(self) -> NDArray[np.bool_]:
+    def alike(self) -> NDArray[np.bool_]:
         """Whether a column is close to a combination of the others, shape (...)."""
         size = np.sqrt(np.sum((self.transform * self.length[..., None]) ** 2, axis=(-2, -1)))
         return np.asarray(size > ALIKE)

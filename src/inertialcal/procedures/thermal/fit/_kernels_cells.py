@@ -198,7 +198,38 @@ def fill_roots(squares: Array, roots: Array) -> None:
                 root[j, i] = -total / factor[j, j]
 
 
-@compiled
+@reordered
+def fill_designs(at: Array, spread: Array, path: Array, root: Array, order: int, path_order: int, out: Array) -> None:
+    """Fill what cells see of P and D: Chebyshev polynomials, mean over the spread of each cell to second order.
+
+    Parameters
+    ----------
+    at, spread : ndarray, shape (u, n)
+        Temperature from -1 to 1 over the range, and its variance in a cell on that scale.
+    path, root : ndarray, shape (u, n)
+        1 warming, -1 cooling; what each row is multiplied by.
+    order, path_order : int
+        Of P, and of D; -1 where there is none.
+    out : ndarray, shape (u, n, order + 1 + path_order + 1)
+        Out.
+    """
+    highest = max(order, path_order)
+    value, slope, bend = np.zeros(highest + 2), np.zeros(highest + 2), np.zeros(highest + 2)
+    for u in range(len(at)):
+        for i in range(at.shape[1]):
+            x, half, size, way = at[u, i], 0.5 * spread[u, i], root[u, i], 0.5 * path[u, i]
+            value[0], value[1], slope[1] = 1.0, x, 1.0
+            for k in range(2, highest + 1):
+                value[k] = 2.0 * x * value[k - 1] - value[k - 2]
+                slope[k] = 2.0 * value[k - 1] + 2.0 * x * slope[k - 1] - slope[k - 2]
+                bend[k] = 4.0 * slope[k - 1] + 2.0 * x * bend[k - 1] - bend[k - 2]
+            for k in range(order + 1):
+                out[u, i, k] = size * (value[k] + half * bend[k])
+            for k in range(path_order + 1):
+                out[u, i, order + 1 + k] = size * (way * (value[k] + half * bend[k]))
+
+
+@reordered
 def fill_bases(basis: Array, transform: Array, length: Array) -> float:
     """Turn columns of matrices, shape (m, n, p), into orthonormal ones, each less its part along those before, twice.
 
@@ -206,40 +237,43 @@ def fill_bases(basis: Array, transform: Array, length: Array) -> float:
     Returns the least share of a column that those before it leave; 0, the rest unfilled, where one is of no length.
     """
     n, p = basis.shape[1:]
-    along, total, least = np.empty(p), np.empty(p), 1.0
+    columns, total, least = np.empty((p, n)), np.empty(p), 1.0
     for m in range(len(basis)):
         own, turned = basis[m], transform[m]
-        turned[:] = 0.0
         for j in range(p):
+            column, square = columns[j], 0.0
+            for k in range(n):
+                column[k] = own[k, j]
+                square += column[k] * column[k]
+            length[m, j] = np.sqrt(square)
+            for i in range(j):
+                total[i] = 0.0
+            for _ in range(2):
+                for i in range(j):
+                    before, along = columns[i], 0.0
+                    for k in range(n):
+                        along += before[k] * column[k]
+                    for k in range(n):
+                        column[k] -= along * before[k]
+                    total[i] += along
             square = 0.0
             for k in range(n):
-                square += own[k, j] * own[k, j]
-            length[m, j] = np.sqrt(square)
-            total[:j] = 0.0
-            for _ in range(2):
-                along[:j] = 0.0
-                for k in range(n):
-                    for i in range(j):
-                        along[i] += own[k, i] * own[k, j]
-                square = 0.0
-                for k in range(n):
-                    left = own[k, j]
-                    for i in range(j):
-                        left -= along[i] * own[k, i]
-                    own[k, j] = left
-                    square += left * left
-                for i in range(j):
-                    total[i] += along[i]
+                square += column[k] * column[k]
             size = np.sqrt(square)
             if not size > 0.0:
                 return 0.0
             least = min(least, size / length[m, j])
             for k in range(n):
-                own[k, j] /= size
+                column[k] /= size
+            for i in range(p):
+                turned[i, j] = 0.0
             turned[j, j] = 1.0 / size
             for i in range(j):
                 part = 0.0
                 for q in range(i, j):
                     part += turned[i, q] * total[q]
                 turned[i, j] = -part / size
+        for k in range(n):
+            for j in range(p):
+                own[k, j] = columns[j, k]
     return least

@@ -73,8 +73,8 @@ def disagreements(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
 
 
 def _stuck(axis: str, cells: Cells, run: int, readings: Readings) -> list[Remark]:
-    own = cells.reading if cells.runs == 1 else cells.reading[cells.run == run]
-    low, high = float(own.min()), float(own.max())
+    own = cells.ends if cells.runs == 1 else cells.reading[cells.run == run]
+    low, high = float(min(own)), float(max(own))
     if high - low > ROUNDING * max(abs(low), abs(high)):
         return []
     place = next(one.place for one in readings.sweeps if one.run == readings.labels[run])

@@ -14,8 +14,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -46,8 +46,8 @@ NARROW = 1e-3  # of the range of all samples: cells inside it are at one tempera
 class Once:
     """What does not depend on the readings: found once for all sensors that share a thermometer."""
 
-    def __init__(self, found: Mapping[str, object] = MappingProxyType({})) -> None:
-        self._found: dict[Hashable, object] = dict[Hashable, object](found.items())
+    def __init__(self) -> None:
+        self._found: dict[Hashable, object] = {}
 
     def __call__(self, what: Hashable, make: Callable[[], R]) -> R:
         """Return what stands under a name, made where there is none yet."""
@@ -249,7 +249,14 @@ class Cells:
     beside: Array  # shape (k, c): readings of all sensors that share these cells
     sensor: int  # Row of this one among them
     deviation: float  # Of all samples of this one, about their own lines [unit of the readings]
+    ends: tuple[float, float]  # Least and largest reading of this one [unit of the readings]
     range: tuple[float, float]  # Ends of the bins that are used [degC]
+    bins: int  # That have a cell
+    ramps: int  # That have a cell
+    used: int  # Samples of all cells
+    shared_bins: Indices  # That were seen on both paths
+    ways: tuple[int, ...]  # Paths that there are
+    root: Array  # shape (c,): of the weight
     left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out
     both: tuple[float, float] | None = None  # Ends of the temperatures that were seen on both paths [degC]
 
@@ -271,50 +278,20 @@ class Cells:
         found.__dict__.update(self.__dict__ | fields)
         return found
 
-    @property
+    @cached_property
     def runs(self) -> int:
         """Number of runs that have a cell."""
-        return self.once("runs", lambda: int(self.run_number.max(initial=-1)) + 1)
+        return int(self.run_number.max(initial=-1)) + 1
 
-    @property
+    @cached_property
     def run_number(self) -> NDArray[np.intp]:
         """Number of the run of each cell, from 0 among those that have one, shape (c,)."""
-        return self.once("run_number", lambda: np.unique(self.run, return_inverse=True)[1])
+        return np.unique(self.run, return_inverse=True)[1]
 
-    @property
-    def bins(self) -> int:
-        """Number of bins that have a cell."""
-        return self.once("bins", lambda: int(np.count_nonzero(np.bincount(self.bin))))
-
-    @property
-    def ramps(self) -> int:
-        """Number of ramps that have a cell."""
-        return self.once("ramps", lambda: len(np.unique(self.ramp)))
-
-    @property
-    def shared_bins(self) -> Indices:
-        """Bins that were seen on both paths."""
-
-        def found() -> Indices:
-            size = int(self.bin.max(initial=0)) + 1
-            warm, cool = (np.bincount(self.bin[self.path == way], minlength=size) for way in (WARMING, COOLING))
-            return np.flatnonzero((warm > 0) & (cool > 0))
-
-        return self.once("shared_bins", found)
-
-    @property
+    @cached_property
     def paths_repeated(self) -> bool:
         """Whether each path was seen by two runs or more, or all by the only one."""
-
-        def found() -> bool:
-            return self.runs < 2 or all(len(np.unique(self.run[self.path == way])) >= 2 for way in self.ways)
-
-        return self.once("paths_repeated", found)
-
-    @property
-    def ways(self) -> tuple[int, ...]:
-        """Paths that there are."""
-        return self.once("ways", lambda: tuple(way for way in (COOLING, WARMING) if np.any(self.path == way)))
+        return self.runs < 2 or all(len(np.unique(self.run[self.path == way])) >= 2 for way in self.ways)
 
 
 def series_of(plan: Plan, readings: Readings, axis: str, others: Sequence[Series] = ()) -> Series:
@@ -575,30 +552,32 @@ def _used(
         "ways": [tuple(way for way, on in ((COOLING, cold), (WARMING, hot)) if on)
                  for cold, hot in np.column_stack([cool.any(axis=1), warm.any(axis=1)]).tolist()],
         "root": np.split(np.sqrt(weight), starts[1:]),
+        "used": np.add.reduceat(flat["samples"], starts).astype(int).tolist(),
     }  # fmt: skip
     if all(len({*one.runs}) == 1 for one in series):
         seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:])}
     total = np.add.reduceat(flat["scatters"] ** 2 * flat["samples"], starts, axis=1)
     deviation = np.sqrt(total / np.add.reduceat(flat["samples"], starts)).T.tolist()
+    least, most = (one.reduceat(flat["readings"], starts, axis=1).T.tolist() for one in (np.minimum, np.maximum))
     narrow: list[bool] = np.asarray(~(highest - lowest > NARROW * (span[1] - span[0]))).tolist()
     left_out = (dict(zip(RULES, own, strict=True)) for own in zip(*left.T.tolist(), beyond, sparse, strict=True))
     ends = [*starts[1:].tolist(), len(T)]
     names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
-    once = (Once(dict(zip(seen, own, strict=True))) for own in zip(*seen.values(), strict=True))
-    columns = zip(once, deviation, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
+    shared_by = (dict(zip(seen, own, strict=True)) for own in zip(*seen.values(), strict=True))
+    columns = zip(shared_by, deviation, least, most, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
                   looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
     found: list[list[Cells] | _Refused] = []
-    for mine, far, start, stop, its, out, loop, both, is_narrow in columns:
+    for mine, far, low_y, high_y, start, stop, its, out, loop, both, is_narrow in columns:
         if is_narrow:
             found.append(_Refused("no_temperature_change", its[0]))
             continue
-        own: dict[str, object] = {name: flat[name][start:stop] for name in names}
+        own: dict[str, object] = mine | {name: flat[name][start:stop] for name in names}
         readings, scatters = flat["readings"][:, start:stop], flat["scatters"][:, start:stop]
         own |= {"weight": weight[start:stop], "beside": readings, "range": its, "left_out": out,
-                "both": both if loop else None, "once": mine}  # fmt: skip
-        each = enumerate(zip(readings, scatters, far, strict=True))
-        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i, deviation=deviates)
-                      for i, (reading, scatter, deviates) in each])  # fmt: skip
+                "both": both if loop else None, "once": Once()}  # fmt: skip
+        each = enumerate(zip(readings, scatters, far, zip(low_y, high_y, strict=True), strict=True))
+        found.append([Cells.of_own(own, reading=reading, scatter=scatter, sensor=i, deviation=deviates, ends=between)
+                      for i, (reading, scatter, deviates, between) in each])  # fmt: skip
     return found
 
 

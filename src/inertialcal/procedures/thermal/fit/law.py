@@ -40,7 +40,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -57,7 +57,7 @@ from ....statistics.intervals import coverage_factor
 from ....statistics.least_squares import APART, Decomposed, Fit, decompose, fit, fit_each, times
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_numbered
-from ._kernels_cells import fill_bases
+from ._kernels_cells import fill_bases, fill_designs
 from .cells import Cells, Indices, Once
 
 Level = Literal["run", "ramp", "block"]
@@ -272,7 +272,7 @@ def _shape(cells: Cells) -> Hashable:
 
 def _alike(cells: Sequence[Cells], order: int, alone: Sequence[Fit] | None) -> list[Law]:
     first, path_order = cells[0], path_order_of(cells[0])
-    known: dict[tuple[int, int], Decomposed] = {}
+    known: dict[tuple[int, int], _Designs] = {}
     if alone is None:
         names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
         alone = _fitted(cells, order, path_order, names, known=known)
@@ -295,7 +295,7 @@ def _fitted(
     path_order: int,
     names: Sequence[str] | None = None,
     lags: Array | None = None,
-    known: dict[tuple[int, int], Decomposed] | None = None,
+    known: dict[tuple[int, int], _Designs] | None = None,
 ) -> list[Fit]:
     """Return the fits of P and D, and of lags by their columns, shape (s, c), to cells of one shape.
 
@@ -306,43 +306,42 @@ def _fitted(
         columns = design(one, order, path_order)
         columns = columns if lags is None else np.column_stack([columns, lags[0]])
         return [fit_numbered(columns, one.reading, one.weight, one.run_number, names)]
-    y = np.array([one.reading for one in cells]) * np.array([_root(one) for one in cells])
+    y = np.array([one.reading for one in cells]) * np.array([one.root for one in cells])
     if y.shape[1] <= order + path_order + 2 or not np.isfinite(y).all():  # said as any fit says it
-        return [fit(design(one, order, path_order) * _root(one)[:, None], row, names=names)
+        return [fit(design(one, order, path_order) * one.root[:, None], row, names=names)
                 for one, row in zip(cells, y, strict=True)]  # fmt: skip
     known = {} if known is None else known
-    decomposed = known.get((order, path_order))
-    if decomposed is None:
-        decomposed = known[order, path_order] = _decomposed(cells, order, path_order, names)
+    if (order, path_order) not in known:
+        known[order, path_order] = _decomposed(cells, order, path_order, names)
+    decomposed, of = known[order, path_order]
     if lags is not None:
-        decomposed, names = decomposed.with_column(lags * np.array([_root(one) for one in cells])), None
+        decomposed = decomposed.with_columns(of, lags * np.array([one.root for one in cells]))
+        of, names = np.arange(len(cells)), None
     labels = names or [f"column {i}" for i in range(decomposed.design.shape[2])]
-    return fit_each(decomposed, y, labels)
+    return fit_each(decomposed, of, y, labels)
 
 
-def _root(cells: Cells) -> Array:
-    return cells.once("root", lambda: np.sqrt(cells.weight))
+_Designs = tuple[Decomposed, NDArray[np.intp]]  # of thermometers, and the number of that of each sensor
 
 
-def _decomposed(cells: Sequence[Cells], order: int, path_order: int, names: Sequence[str] | None) -> Decomposed:
+def _decomposed(cells: Sequence[Cells], order: int, path_order: int, names: Sequence[str] | None) -> _Designs:
     """Return the designs of P and D of cells of one shape, decomposed: once for those of one thermometer."""
     kinds = gathered(id(one.once) for one in cells)
     own = [cells[at[0]] for at in kinds]
     key, labels = ("decomposed", order, path_order), names or [f"column {i}" for i in range(order + path_order + 2)]
 
     def together() -> Decomposed:
-        white = designs(own, order, path_order) * np.array([_root(one) for one in own])[:, :, None]
+        white = designs(own, order, path_order, np.array([one.root for one in own]))
         basis, (m, _, p) = white.copy(), white.shape
         transform, length = np.empty((m, p, p)), np.empty((m, p))
         if fill_bases(basis, transform, length) > APART:
             return Decomposed(white, basis, transform, length)
         return decompose(white, labels)  # which names what it cannot tell
 
-    known = own[0].once(key, together) if len(own) == 1 else together()
-    number = np.empty(len(cells), dtype=np.int64)
+    number = np.empty(len(cells), dtype=np.intp)
     for k, at in enumerate(kinds):
         number[at] = k
-    return known.take(number.tolist())
+    return own[0].once(key, together) if len(own) == 1 else together(), number
 
 
 def _with_lag(
@@ -350,7 +349,7 @@ def _with_lag(
     alone: Sequence[Fit],
     order: int,
     path_order: int,
-    known: dict[tuple[int, int], Decomposed] | None = None,
+    known: dict[tuple[int, int], _Designs] | None = None,
 ) -> list[Fit]:
     """Return fits with a thermal lag in them, where the cells tell it apart; else those without.
 
@@ -447,14 +446,8 @@ def _known(found: Sequence[Clustered], order: int) -> list[bool]:
     return [bool(one) for one in np.all(contrasts_each(found, rows)[1] > 0.0, axis=1)]
 
 
-def find_contrasts(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> None:
-    """Find covariance and degrees of freedom of combinations of P, or of D, of several judged laws, alike at once."""
-    for law, own, found in zip(laws, rows, contrasts_of(laws, rows, paths), strict=True):
-        law.scatter.once.keep(("path", *_named(own)) if paths else _named(own), found)
-
-
 def contrasts_of(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> list[tuple[Array, Array]]:
-    """Return the same of each."""
+    """Return covariance and degrees of freedom of combinations of P, or of D, of judged laws, those alike at once."""
     every: dict[int, tuple[Array, Array]] = {}
     scatters = [one.scatter.of_path_fit if paths else one.scatter.of_fit for one in laws]
     starts = [one.order + 1 if paths else 0 for one in laws]
@@ -476,18 +469,17 @@ def design(cells: Cells, order: int, path_order: int) -> Array:
     return cells.once(("design", order, path_order), lambda: designs([cells], order, path_order)[0])
 
 
-def designs(cells: Sequence[Cells], order: int, path_order: int) -> Array:
+def designs(cells: Sequence[Cells], order: int, path_order: int, roots: Array | None = None) -> Array:
     """Return the same of several thermometers with as many cells, shape (u, c, order + 1 + path_order + 1).
 
-    Chebyshev rows, mean over the spread of each cell to second order.
+    ``roots``, shape (u, c): what each row is multiplied by.
     """
-    ends, highest = _ends(cells), max(order, path_order)
-    rows = _series(_scaled_each(cells), highest)
-    if highest >= 2:
-        spread = np.array([one.spread for one in cells]) * (2.0 / (ends[:, 1:] - ends[:, :1])) ** 2
-        rows = rows + 0.5 * spread[..., None] * (rows[..., : highest - 1] @ _bent(highest))
-    paths = 0.5 * np.array([one.path for one in cells])[..., None] * rows[..., : path_order + 1]
-    return np.concatenate([rows[..., : order + 1], paths], axis=-1)
+    at, ends = _scaled_each(cells), _ends(cells)
+    spread = np.array([one.spread for one in cells]) * (2.0 / (ends[:, 1:] - ends[:, :1])) ** 2
+    out = np.empty((*at.shape, order + path_order + 2))
+    path = np.array([one.path for one in cells], dtype=np.float64)
+    fill_designs(at, spread, path, np.ones(at.shape) if roots is None else roots, order, path_order, out)
+    return out
 
 
 def _ends(cells: Sequence[Cells]) -> Array:
@@ -519,12 +511,6 @@ def slopes_of(laws: Sequence[Law]) -> Array:
 def _rising(order: int) -> Array:
     """Return what first derivatives of the series are of the series, shape (order + 1, order)."""
     return np.asarray(chebyshev.chebder(np.eye(order + 1)).T)
-
-
-@cache
-def _bent(order: int) -> Array:
-    """Return what second derivatives of the series are of the series, shape (order - 1, order + 1)."""
-    return np.asarray(chebyshev.chebder(np.eye(order + 1), 2))
 
 
 def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int) -> Array:

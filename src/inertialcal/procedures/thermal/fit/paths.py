@@ -22,6 +22,7 @@ lies within ``no_hysteresis``, else *unclear*.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
@@ -33,7 +34,7 @@ from ....statistics.clustered import clustered_contrasts
 from ....statistics.intervals import ends, t_interval
 from ....statistics.least_squares import fit
 from .cells import Cells
-from .law import Law, design, find_contrasts, gathered, lag_column, series_rows, series_rows_each
+from .law import Law, contrasts_of, design, gathered, lag_column, series_rows, series_rows_each
 
 Word = Literal["yes", "no", "unclear"]
 
@@ -56,6 +57,7 @@ class PathEffect(NamedTuple):
         return self.value is not None and self.u is not None and self.dof is not None
 
 
+TWO_RUNS = "needs two runs or more on each path"
 ONE_PATH = PathEffect(None, reason="one path only was seen")
 
 
@@ -90,7 +92,12 @@ def find_differences(laws: Sequence[Law]) -> None:
         rows = series_rows_each(np.linspace(low, high, GRID, axis=-1), domains, order).mean(axis=1)
         for one, row in zip(alike, rows, strict=True):
             one.cells.once.keep(("mean over the paths", order, one.domain), row)
-    find_contrasts(laws, [_mean_over_paths(one, one.path_order)[None] for one in laws], paths=True)
+    rows = [_mean_over_paths(one, one.path_order) for one in laws]
+    found = contrasts_of(laws, [row[None] for row in rows], paths=True)
+    for law, row, (covariance, dof) in zip(laws, rows, found, strict=True):
+        value, free = float(row @ law.path_fit.coefficients[law.order + 1 :]), float(dof[0])
+        known = PathEffect(value, math.sqrt(covariance[0, 0]), free)
+        law.scatter.once.keep("difference", known if free > 0.0 else PathEffect(value, reason=TWO_RUNS))
 
 
 def paths_of(law: Law, apart: Separated, no_hysteresis: float | None = None) -> Paths:
@@ -114,10 +121,10 @@ def shared_grid(law: Law) -> Array:
 
 
 def _difference(law: Law) -> PathEffect:
-    values, covariance, dof = law.path_contrasts(_mean_over_paths(law, law.path_order)[None])
-    if not dof[0] > 0.0:
-        return PathEffect(float(values[0]), reason="needs two runs or more on each path")
-    return PathEffect(float(values[0]), float(np.sqrt(covariance[0, 0])), float(dof[0]))
+    if "difference" not in law.scatter.once:
+        find_differences([law])
+    found: PathEffect = law.scatter.once["difference"]
+    return found
 
 
 def _mean_over_paths(law: Law, order: int) -> Array:
@@ -132,8 +139,12 @@ def _loops(cells: Cells) -> int:
     """Count pairs of a ramp of warming and one of cooling in one run."""
 
     def found() -> int:
-        owns = [cells.run == run for run in np.unique(cells.run)]
-        return sum(min(len(np.unique(cells.ramp[own & (cells.path == way)])) for way in (1, -1)) for own in owns)
+        most, each = int(cells.ramp.max()) + 1, []
+        for way in (1, -1):
+            own = cells.path == way
+            seen = np.flatnonzero(np.bincount(cells.run_number[own] * most + cells.ramp[own]))
+            each.append(np.bincount(seen // most, minlength=cells.runs))
+        return int(np.minimum(*each).sum())
 
     return cells.once("loops", found)
 

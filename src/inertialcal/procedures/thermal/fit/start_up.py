@@ -28,6 +28,7 @@ STILL = 0.1  # of the turn-over distance: the temperature is still that of the s
 NOISE = 3.0  # of its scatter there, that it stays within
 SHORTEST = 120.0  # steady part that shows a start-up [s]
 MEANS = 120  # of the steady part after a power-up
+NOTHING, NO_RUN = np.zeros(0), np.zeros(0, dtype=np.int64)
 STEADY = "the temperature changes from power-up on: its effect looks like a start-up transient"
 
 
@@ -78,6 +79,8 @@ def start_up_of(plan: Plan, series: Series, cells: Cells, law: Callable[[], Law]
 def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Array, Indices]:
     """Means over the steady part after each power-up, of what the polynomial leaves; none where it is too short."""
     times, residuals, runs = [], [], []
+    if series.short and series.once("moves", lambda: not any(len(_still(series, run)) for run in {*series.runs})):
+        return NOTHING, NOTHING, NO_RUN
     for number in sorted({*series.runs}):
         at = _steady_part(series, number)
         if len(at) < FEWEST:
@@ -91,22 +94,28 @@ def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Arra
         residuals.append(left[:whole].reshape(-1, size).mean(axis=1))
         runs.append(np.full(len(starts), number))
     if not times:
-        nothing = np.zeros(0)
-        return nothing, nothing, nothing.astype(np.int64)
+        return NOTHING, NOTHING, NO_RUN
     return np.concatenate(times), np.concatenate(residuals), np.concatenate(runs)
 
 
 def _steady_part(series: Series, run: int) -> Indices:
     """Return the samples of a run until its temperature leaves that of the start, in order of time."""
 
-    def long(part: Indices) -> Indices:
-        return part if len(part) >= FEWEST and np.ptp(_at(series.time, part)) >= SHORTEST else part[:0]
+    steady = _still(series, run)
+    return _long(series, steady[np.isfinite(_at(series.reading, steady))]) if len(steady) else steady
 
-    def still() -> Indices:
-        return long(_still_part(series, run))
 
-    steady = series.once(("still", run), still) if series.short else still()
-    return long(steady[np.isfinite(_at(series.reading, steady))]) if len(steady) else steady
+def _still(series: Series, run: int) -> Indices:
+    """Return the same by the temperature alone; none where it is too short."""
+
+    def found() -> Indices:
+        return _long(series, _still_part(series, run))
+
+    return series.once(("still", run), found) if series.short else found()
+
+
+def _long(series: Series, part: Indices) -> Indices:
+    return part if len(part) >= FEWEST and np.ptp(_at(series.time, part)) >= SHORTEST else part[:0]
 
 
 def _still_part(series: Series, run: int) -> Indices:
