@@ -355,11 +355,12 @@ MUTANTS = (
     ),
     Mutant("clustered.py", "1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)", "1.0, 0.0)", "test_clustered"),
     Mutant(
-        "clustered.py",
-        "dof[seen] = trace[seen] ** 2 / np.sum",
-        "dof[seen] = 2.0 * trace[seen] ** 2 / np.sum",
+        "_kernels_levels.py",
+        "own[k] * (own[k] - 2.0 * size[k])",
+        "own[k] * (own[k] - size[k])",
         "test_clustered",
     ),
+    Mutant("_kernels_levels.py", "far = 0.5 * (own - part[k])", "far = own - part[k]", "test_clustered"),
     Mutant(
         "scatters.py", "return min(2.0 * min(below, above), 1.0)", "return min(min(below, above), 1.0)", "test_scatters"
     ),
@@ -1199,13 +1200,15 @@ MUTANTS = (
         "freedom = 1.0 / max(len(sums) - 1.0, 1.0)",
         "test_closed_loop",
     ),
+    Mutant("_kernels_cells.py", "0.5 * path[u, i]", "path[u, i]", "test_thermal_law test_thermal_cells"),
+    Mutant("_kernels_cells.py", "0.5 * spread[u, i]", "spread[u, i]", "test_thermal_cells"),
+    Mutant("_kernels_cells.py", "before * share * far * far", "before * far * far", "test_thermal_cells"),
     Mutant(
-        "law.py",
-        "paths = 0.5 * np.array([one.path",
-        "paths = np.array([one.path",
-        "test_thermal_law test_thermal_paths",
+        "_kernels_cells.py",
+        "square += left * left\n        along",
+        "square += left\n        along",
+        "test_thermal_cells",
     ),
-    Mutant("law.py", "rows + 0.5 * spread[..., None] * (", "rows + spread[..., None] * (", "test_thermal_law"),
     Mutant(
         "cells.py",
         "samples / np.maximum(samples - 2.0, 1.0)",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.clustered import clustered_contrasts, clustered_covariance
+from inertialcal.statistics import _kernels_levels as kernels
+from inertialcal.statistics.clustered import clustered_contrasts, clustered_covariance, members_of
 from inertialcal.statistics.intervals import contains, covers, t_interval
 from inertialcal.statistics.least_squares import fit, fit_correlated
 from sized import sized
@@ -193,3 +195,78 @@ def test_refusals_by_their_words() -> None:
         clustered_covariance(fit(X, y), g[:3])
     with pytest.raises(DataError, match="clusters of a fit with given covariance"):
         clustered_covariance(fit_correlated(X, y, np.eye(y.size)), g)
+
+
+class Plain:
+    """The Python that the kernels are compiled from."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(kernels, name).py_func
+
+
+@pytest.fixture(params=[kernels, Plain()], ids=["compiled", "plain"])
+def run(request: pytest.FixtureRequest) -> Any:
+    return request.param
+
+
+@pytest.mark.parametrize("count", [1, 5, 70])
+def test_inverse_roots_are_those_of_the_eigenvalues(run: Any, count: int) -> None:
+    rng, p = np.random.default_rng(count), 4
+    Q = np.linalg.qr(rng.normal(size=(count, p, p)))[0]
+    values = rng.uniform(0.02, 1.0, (count, p))
+    values[0] = [1.0, 1.0, 1e-13, 0.5]  # one cluster alone decides a direction
+    squares, found = np.einsum("gik,gk,gjk->gij", Q, values, Q), np.empty((count, p, p))
+    run.fill_inverse_roots(squares, found)
+    assert np.isnan(found[0]).all()
+    np.testing.assert_allclose(found[1:], np.einsum("gik,gk,gjk->gij", Q, values**-0.5, Q)[1:], rtol=1e-9, atol=1e-9)
+    alone = np.empty((1, p, p))
+    run.fill_inverse_roots(squares[-1:], alone)
+    np.testing.assert_array_equal(alone[0], found[-1])  # whatever stands beside it
+
+
+def test_sums_of_clusters_are_those_of_numpy(run: Any) -> None:
+    rng = np.random.default_rng(3)
+    basis, left = rng.normal(size=(3, 9, 2)), rng.normal(size=(3, 9))
+    labels = rng.permuted(np.tile([0, 0, 0, 1, 1, 2, 2, 2, 2], (3, 1)), axis=1)
+    order, starts = (np.array(one) for one in zip(*map(members_of, labels), strict=True))
+    gram, sums = np.empty((2, 3, 2, 2)), np.empty((3, 3, 2))
+    run.fill_sums(basis, order, starts, left, np.array([2, 0]), gram, sums)
+    for g in range(3):
+        for s in range(3):
+            own = labels[s] == g
+            np.testing.assert_allclose(sums[s, g], basis[s][own].T @ left[s][own])
+        for u, s in enumerate((2, 0)):
+            own = basis[s][labels[s] == g]
+            np.testing.assert_allclose(gram[u, g], own.T @ own)
+
+
+def test_degrees_of_freedom_are_those_of_the_whole_matrix(run: Any) -> None:
+    rng = np.random.default_rng(4)
+    half = rng.normal(size=(2, 5, 3, 3))
+    gram, adjust, along = half @ half.swapaxes(2, 3), rng.normal(size=(2, 5, 3, 3)), rng.normal(size=(2, 3, 4))
+    found = np.empty((2, 2, 4))
+    run.fill_dof(gram, adjust, along, found)
+    for s in range(2):
+        for k in range(4):
+            z = adjust[s] @ along[s, :, k]
+            seen = np.einsum("gij,gj->gi", gram[s], z)
+            B = np.diag(np.sum(z * seen, axis=1)) - seen @ seen.T
+            np.testing.assert_allclose(found[s, :, k], [np.trace(B) ** 2 / np.sum(B**2), np.trace(B)], rtol=1e-9)
+
+
+def test_fits_by_several_bases_are_those_of_numpy(run: Any) -> None:
+    rng = np.random.default_rng(5)
+    x, of = rng.normal(size=(2, 8, 3)), np.array([1, 0, 1])
+    y, column = rng.normal(size=(2, 3, 8))
+    basis, upper = np.linalg.qr(x)
+    transform = np.linalg.inv(upper)
+    coefficients, residuals = np.empty((3, 3)), np.empty((3, 8))
+    run.fill_fits(basis, transform, of, y, coefficients, residuals)
+    wide, turned = np.empty((3, 8, 4)), np.empty((3, 4, 4))
+    assert 0.1 < run.fill_wider(basis, transform, of, column, wide, turned) < 1.0
+    for s in range(3):
+        np.testing.assert_allclose(coefficients[s], np.linalg.lstsq(x[of[s]], y[s])[0], rtol=1e-9)
+        np.testing.assert_allclose(residuals[s], y[s] - x[of[s]] @ coefficients[s], atol=1e-12)
+        np.testing.assert_allclose(np.column_stack([x[of[s]], column[s]]) @ turned[s], wide[s], atol=1e-12)
+        np.testing.assert_allclose(wide[s].T @ wide[s], np.eye(4), atol=1e-12)
+    assert run.fill_wider(basis, transform, of, np.zeros((3, 8)), wide, turned) == 0.0

@@ -488,7 +488,7 @@ def fill_fits(
     coefficients, residuals : ndarray, shapes (s, p), (s, n)
         Out.
     """
-    n, p = basis.shape[1:]
+    p = basis.shape[2]
     along = np.empty(p)
     for s in range(len(of)):
         own, turned, y, left = basis[of[s]], transform[of[s]], readings[s], residuals[s]

@@ -1,12 +1,15 @@
-"""Compiled sums of samples in bins of temperature: against numpy, with and without the compiler."""
+"""Compiled loops of a thermal test, of samples in bins of temperature and of designs: against numpy, both ways."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial import chebyshev
 
+from inertialcal.core.estimate import Array
 from inertialcal.procedures.thermal.fit import _kernels_cells as kernels
 
 
@@ -22,39 +25,81 @@ def run(request: pytest.FixtureRequest) -> Any:
     return request.param
 
 
-def test_sums_and_squares_are_those_of_numpy_bin_by_bin(run: Any) -> None:
+@pytest.mark.parametrize("pieces", [1, 7])
+def test_means_and_squares_are_those_of_numpy_bin_by_bin(run: Any, pieces: int) -> None:
     rng, bins, n = np.random.default_rng(1), 7, 500
-    columns = rng.normal(size=(4, n))
-    columns[0] = rng.uniform(-10.0, 60.0, n)
+    columns = rng.normal(size=(5, n)) + 100.0
+    columns[0] = np.round(rng.uniform(-10.0, 60.0, n // 4)).repeat(4)
     columns[1] = np.arange(n)
-    columns[0, 3] = columns[2, 5] = np.nan
-    columns[1, 9] = np.nan  # no time is known: it counts
-    path = rng.integers(-1, 2, n).astype(np.int8)
+    columns[0, 3] = columns[2, 5] = columns[4, 7] = np.nan  # the last is no reading: its sample counts
+    path = rng.integers(-1, 2, n // 4).repeat(4).astype(np.int8)
     low, high = np.nanmin(columns[0]), np.nanmax(columns[0])
-    found, left = np.empty(n, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    run.find_bins(columns, 2, path, np.array([low, (high - low) / bins]), 20.0, found, left)
+    left = np.zeros(3, dtype=np.int64)
+    count, means, squares = np.zeros((2, bins)), np.zeros((2, 5, bins)), np.zeros((2, 7, bins))
+    edges = np.array([low, (high - low) / bins])
+    for start, stop in pairwise(np.linspace(0, n, pieces + 1).astype(int)):  # as a long record comes
+        bounds = np.clip([[0, 200], [200, n]], start, stop) - start
+        own = np.ascontiguousarray(columns[:, start:stop])
+        run.add_cells(own, 2, path[start:stop], bounds, edges, 20.0, count, means, squares, left)
     valid = np.isfinite(columns[0]) & np.isfinite(columns[2]) & np.isfinite(columns[3])
     late = valid & ~(columns[1] < 20.0)
     used = late & (path != 0)
     assert left.tolist() == [np.sum(~valid), np.sum(valid & ~late), np.sum(late & ~used)]
-    at = np.minimum(((columns[0, used] - low) / ((high - low) / bins)).astype(int), bins - 1)
-    assert np.minimum(found[used], bins - 1).tolist() == at.tolist()
-    assert set(found[~used].tolist()) == {-1}
-
-    count, sums, squares = np.zeros((2, bins)), np.zeros((2, 4, bins)), np.zeros((2, 7, bins))
-    bounds = np.array([[0, 200], [200, n]])
-    run.add_sums(columns, bounds, found, count, sums)
-    means = sums / count[:, None]
-    run.add_squares(columns, 2, bounds, found, means, squares)
-    for ramp, (start, stop) in enumerate(bounds):
+    for ramp, (start, stop) in enumerate([(0, 200), (200, n)]):
         own = used & (np.arange(n) >= start) & (np.arange(n) < stop)
         at = np.minimum(((columns[0, own] - low) / ((high - low) / bins)).astype(int), bins - 1)
-        assert count[ramp].tolist() == np.bincount(at, minlength=bins).tolist()
-        np.testing.assert_array_equal(sums[ramp], [np.bincount(at, row[own], bins) for row in columns])
-        away = columns[:, own] - means[ramp][:, at]
+        size = np.bincount(at, minlength=bins)
+        assert count[ramp].tolist() == size.tolist()
+        expected = np.array([np.bincount(at, row[own], bins) for row in columns]) / np.maximum(size, 1)
+        np.testing.assert_allclose(means[ramp], expected, rtol=1e-13)
+        away = columns[:, own] - expected[:, at]
         products = [away[0] ** 2, away[1] ** 2, away[0] * away[1], away[2] ** 2, away[3] ** 2, away[0] * away[2],
                     away[0] * away[3]]  # fmt: skip
-        np.testing.assert_array_equal(squares[ramp], [np.bincount(at, one, bins) for one in products])
+        wanted = np.array([np.bincount(at, one, bins) for one in products])
+        np.testing.assert_allclose(squares[ramp], wanted, rtol=1e-10, atol=1e-10 * np.abs(wanted).max())
+
+
+def test_a_time_that_is_not_known_counts_and_leaves_no_mean(run: Any) -> None:
+    columns, left = np.array([[1.0, 2.0], [np.nan, np.nan], [5.0, 7.0]]), np.zeros(3, dtype=np.int64)
+    count, means, squares = np.zeros((1, 1)), np.zeros((1, 3, 1)), np.zeros((1, 5, 1))
+    run.add_cells(columns, 1, np.ones(2, dtype=np.int8), np.array([[0, 2]]), np.array([1.0, 2.0]), 9.0, count, means,
+                  squares, left)  # fmt: skip
+    assert count.tolist() == [[2.0]]
+    np.testing.assert_array_equal(means[0, :, 0], [1.5, np.nan, 6.0])
+    np.testing.assert_array_equal(squares[0, :, 0], [0.5, np.nan, np.nan, 2.0, 1.0])
+
+
+def test_sums_of_cubics_are_those_of_numpy(run: Any) -> None:
+    rng, n = np.random.default_rng(6), 90
+    columns = rng.normal(size=(4, n)) + 20.0
+    ends = np.array([columns[0].min(), columns[0].max()])
+    middle, cubic = columns[2:].mean(axis=1), rng.normal(size=(2, 4))
+    powers, along = np.empty(7), np.empty((2, 5))
+    run.fill_cubic(columns, ends, middle, cubic, powers, along)
+    x = 2.0 * (columns[0] - ends[0]) / (ends[1] - ends[0]) - 1.0
+    rows = chebyshev.chebvander(x, 6).T
+    np.testing.assert_allclose(powers, rows.sum(axis=1), rtol=1e-11, atol=1e-11)
+    left = columns[2:] - middle[:, None] - cubic @ rows[:4]
+    np.testing.assert_allclose(along[:, :4], left @ rows[:4].T, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(along[:, 4], np.sum(left**2, axis=1), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("order", "path_order"), [(0, -1), (1, 2), (5, 2), (2, 0)])
+def test_designs_are_chebyshev_rows_mean_over_the_spread(run: Any, order: int, path_order: int) -> None:
+    rng = np.random.default_rng(7)
+    at, spread, root = (rng.uniform(0.1, 0.9, (2, 9)) for _ in range(3))
+    path = rng.choice([-1.0, 1.0], (2, 9))
+    out = np.empty((2, 9, order + path_order + 2))
+    run.fill_designs(at, spread, path, root, order, path_order, out)
+
+    def rows(degree: int) -> Array:
+        bent = [chebyshev.chebval(at, chebyshev.chebder(one, 2)) for one in np.eye(degree + 1)]
+        return np.asarray(chebyshev.chebvander(at, degree) + 0.5 * spread[..., None] * np.stack(bent, axis=-1))
+
+    np.testing.assert_allclose(out[..., : order + 1], root[..., None] * rows(order), rtol=1e-12)
+    if path_order >= 0:
+        expected = (0.5 * path * root)[..., None] * rows(path_order)
+        np.testing.assert_allclose(out[..., order + 1 :], expected, rtol=1e-12)
 
 
 def test_what_is_still_ends_where_the_temperature_leaves_its_noise(run: Any) -> None:

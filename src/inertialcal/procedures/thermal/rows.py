@@ -391,7 +391,7 @@ def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
     ends = np.array([(one[0].min(), one[0].max()) for one in columns])
     with np.errstate(over="ignore"):  # values near the end of float64
         middle, cubic = np.array([one[2:].mean(axis=1) for one in columns]), np.zeros((units, k, ORDER + 1))
-    powers, first, last = np.empty((units, 2 * ORDER + 1)), np.empty((units, k, ORDER + 2)), np.empty((units, k, ORDER + 2))
+    powers, (first, last) = np.empty((units, 2 * ORDER + 1)), np.empty((2, units, k, ORDER + 2))
     for one, *own in zip(columns, ends, middle, cubic, powers, first, strict=True):
         fill_cubic(one, *own)
     at = np.arange(ORDER + 1)
@@ -410,9 +410,9 @@ def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
     covariance = last[..., -1, None, None] * inverse[:, None]
     figures = zip(cubic, covariance, last[..., -1].tolist(), first[..., -1].tolist(), strict=True)
     found: list[list[_Cubic] | None] = []
-    for one, domain, keep, own in zip(columns, ends.tolist(), told.tolist(), figures, strict=True):
-        size, its = one.shape[1], (domain[0], domain[1])
-        found.append([_Cubic(*each, size, its) for each in zip(*own, strict=True)] if keep else None)
+    for one, (low, high), keep, figure in zip(columns, ends.tolist(), told.tolist(), figures, strict=True):
+        own = [_Cubic(*each, one.shape[1], (low, high)) for each in zip(*figure, strict=True)]
+        found.append(own if keep else None)
     return found
 
 

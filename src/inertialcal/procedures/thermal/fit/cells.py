@@ -100,7 +100,9 @@ class Series:
     @property
     def columns(self) -> Array:
         """Temperature, time, and the readings of all sensors that share them, shape (2 + k, n): of a short record."""
-        return self.once("columns", lambda: np.array([self.temperature, self.time, *self.together.values()], dtype=float))
+        return self.once(
+            "columns", lambda: np.array([self.temperature, self.time, *self.together.values()], dtype=float)
+        )
 
     @property
     def complete(self) -> bool:
@@ -434,10 +436,12 @@ def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) ->
 class _Sums(NamedTuple):
     """What the samples of k readings have in each bin of each ramp, of several clocks."""
 
-    count: Array  # shape (u, r, b): how many
+    samples: Array  # shape (u, r, b): how many
     means: Array  # shape (u, r, 2 + k, b): of temperature, time, readings, and the rate where there is one
     squares: Array  # shape (u, r, 3 + 2 k, b): about the means, as ``_kernels_cells.add_cells`` has them
-    left: Indices  # shape (u, 3): in no bin, by rule: no reading or temperature, before the start-up is over, on no path
+    left: (
+        Indices  # shape (u, 3): in no bin, by rule: no reading or temperature, before the start-up is over, on no path
+    )
 
     @classmethod
     def of(cls, units: int, ramps: int, bins: int, k: int, rated: bool) -> _Sums:
@@ -456,8 +460,8 @@ class _Sums(NamedTuple):
         def part(ramps: slice, bounds: Sequence[tuple[int, int]], own: slice) -> None:
             columns = np.array([one[own] for one in rows], dtype=np.float64) if alone else series.columns
             path, limits = np.ascontiguousarray(series.path[own], dtype=np.int8), np.array(bounds, dtype=np.int64)
-            found = (one[u, ramps] for one in (self.count, self.means, self.squares))
-            kernels.add_cells(columns, k, path, limits, ends, cut, *found, self.left[u])
+            samples, means, squares = (one[u, ramps] for one in (self.samples, self.means, self.squares))
+            kernels.add_cells(columns, k, path, limits, ends, cut, samples, means, squares, self.left[u])
 
         if series.short:
             part(slice(None), [(one.start, one.stop) for one in series.ramps], slice(None))
@@ -564,8 +568,10 @@ def _used(
     ends = [*starts[1:].tolist(), len(T)]
     names = ("temperature", "spread", "samples", "rate", "time", "path", "run", "ramp", "bin")
     shared_by = (dict(zip(seen, own, strict=True)) for own in zip(*seen.values(), strict=True))
-    columns = zip(shared_by, deviation, least, most, starts.tolist(), ends, zip(lowest.tolist(), highest.tolist(), strict=True), left_out,
-                  looped.tolist(), zip(low.tolist(), high.tolist(), strict=True), narrow, strict=True)  # fmt: skip
+    its_ends, both_ends = (zip(*one, strict=True) for one in ((lowest.tolist(), highest.tolist()),
+                                                             (low.tolist(), high.tolist())))  # fmt: skip
+    columns = zip(shared_by, deviation, least, most, starts.tolist(), ends, its_ends, left_out, looped.tolist(),
+                  both_ends, narrow, strict=True)  # fmt: skip
     found: list[list[Cells] | _Refused] = []
     for mine, far, low_y, high_y, start, stop, its, out, loop, both, is_narrow in columns:
         if is_narrow:

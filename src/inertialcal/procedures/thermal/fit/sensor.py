@@ -243,9 +243,7 @@ def _remarks(plan: Plan, readings: Readings, axis: str, law: Law, start_up: Star
         do = "Ramp both ways in each power-up; give recordings of one power-up one run"
         found.append(Remark("paths_or_runs", "warning", what, readings.where, do=do))
     counts = [f"{n} {WORDS[rule]}" for rule, n in cells.left_out.items() if n]
-    what = f"{axis} sensor: {cells.used} samples used in {len(cells)} cells; left out: " + (
-        ", ".join(counts) or "none"
-    )
+    what = f"{axis} sensor: {cells.used} samples used in {len(cells)} cells; left out: " + (", ".join(counts) or "none")
     found.append(Remark("cells", "info", what, readings.where))
     return [*found, *_of_start_up(plan, readings, axis, start_up)]
 

@@ -100,7 +100,6 @@ def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Arra
 
 def _steady_part(series: Series, run: int) -> Indices:
     """Return the samples of a run until its temperature leaves that of the start, in order of time."""
-
     steady = _still(series, run)
     return _long(series, steady[np.isfinite(_at(series.reading, steady))]) if len(steady) else steady
 
