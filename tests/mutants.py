@@ -1201,6 +1201,7 @@ MUTANTS = (
         "test_closed_loop",
     ),
     Mutant("_kernels_cells.py", "0.5 * path[u, i]", "path[u, i]", "test_thermal_law test_thermal_cells"),
+    Mutant("_kernels_cells.py", "inner, part = -2.0 * own", "inner, part = -own", "test_thermal_cells"),
     Mutant("_kernels_cells.py", "0.5 * spread[u, i]", "spread[u, i]", "test_thermal_cells"),
     Mutant("_kernels_cells.py", "before * share * far * far", "before * far * far", "test_thermal_cells"),
     Mutant(
@@ -1223,8 +1224,8 @@ MUTANTS = (
     ),
     Mutant(
         "order.py",
-        "@ found - 2.0 * left[:, :, None, :, p:])",
-        "@ found - left[:, :, None, :, p:])",
+        "@ found - 2.0 * held[own, p:])",
+        "@ found - held[own, p:])",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(

@@ -130,6 +130,28 @@ def test_roots_are_those_of_numpy(run: Any) -> None:
         np.testing.assert_allclose(roots[k], np.linalg.inv(np.linalg.cholesky(squares[k])), rtol=1e-12, atol=1e-14)
 
 
+def test_errors_of_what_is_held_out_are_those_of_fits_to_the_rest(run: Any) -> None:
+    rng, p, k, held = np.random.default_rng(8), 5, 2, np.array([1, 2])
+    columns, weight = rng.normal(size=(2, 40, p + k)), rng.uniform(0.5, 1.0, (2, 40))
+    number = rng.integers(0, 4, (2, 40))
+    columns[1, number[1] != 2, 3] = 0.0  # one group alone tells of it
+    moments, errors, told = np.empty((2, 4, 7, 7)), np.full((2, 2, 3, k), np.nan), np.empty((2, 2))
+    run.fill_errors(columns, weight, number, held, moments, errors, told)
+    assert np.isinf(told).tolist() == [[False, False], [False, True]]
+    assert np.isnan(errors[1, 1]).all()
+    for u, h in ((0, 0), (0, 1), (1, 0)):
+        own = number[u] == held[h]
+        root = np.sqrt(weight[u])[:, None]
+        X, y = columns[u, :, :p], columns[u, :, p:]
+        for order in range(3):
+            q = p - 2 + order
+            found = np.linalg.lstsq((root * X)[~own, :q], (root * y)[~own])[0]
+            expected = np.sum((root * (y - X[:, :q] @ found))[own] ** 2, axis=0)
+            np.testing.assert_allclose(errors[u, h, order], expected, rtol=1e-9)
+    white = columns[0] * np.sqrt(weight[0])[:, None]
+    np.testing.assert_allclose(moments[0, 1], white[number[0] == 1].T @ white[number[0] == 1], atol=1e-12)
+
+
 def test_bases_are_orthonormal_and_made_of_the_columns(run: Any) -> None:
     x = np.random.default_rng(4).normal(size=(3, 20, 6)) * 10.0 ** np.arange(6)
     x[1, :, 3] = x[1, :, 2] * (1.0 + 1e-9 * x[0, :, 0])

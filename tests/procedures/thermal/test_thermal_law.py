@@ -139,6 +139,18 @@ def test_a_run_is_predicted_but_for_its_offset() -> None:
     assert choose_order(cells, 5).order == 3
 
 
+def test_the_order_is_found_where_one_run_of_three_alone_shows_both_paths() -> None:
+    """The other two tell nothing of what the paths differ by: no score of the third may rest on it."""
+    rng, swept = np.random.default_rng(2), []
+    for number, points in enumerate([(-30.0, 67.0), (-30.0, 67.0, -30.0), (67.0, -30.0)], 1):
+        t, T = path(*points)
+        swept.append(sweep(f"run{number}", t, T, cubic(T) + 1e-3 * way(T) + rng.normal(0.0, 1e-3, T.size)))
+    cells = cells_of(plan(), series_of(plan(), Readings(tuple(swept)), "x"))
+    choice = choose_order(cells, 5)
+    assert (choice.held_out, choice.order) == ("runs", 3)
+    assert np.nanmax(choice.scores) < 1.0
+
+
 def test_the_score_of_an_order_is_the_mean_square_error_on_the_run_held_out() -> None:
     """Runs of different slopes, no noise: the run held out is off by its slope less the mean slope of the others."""
     t, T = path(23.0, -30.0, 67.0, 23.0)

@@ -12,6 +12,7 @@ from ....core.estimate import Array
 from ....statistics._kernels import compiled, reordered
 
 NONE = -1  # in place of a bin
+LOST = 1e-10  # of the square of a column: where all but one group have no more, they tell nothing of it
 
 
 @reordered
@@ -196,6 +197,87 @@ def fill_roots(squares: Array, roots: Array) -> None:
                 for k in range(i, j):
                     total += factor[j, k] * root[k, i]
                 root[j, i] = -total / factor[j, j]
+
+
+@reordered
+def fill_errors(
+    columns: Array, weight: Array, number: NDArray[np.int64], held: NDArray[np.int64], moments: Array, errors: Array,
+    told: Array,
+) -> None:  # fmt: skip
+    """Fill how far fits to all groups of cells but one miss that one: sums of squares, for one column after the other.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (u, c, p + k)
+        Of the design, then readings.
+    weight, number : ndarray, shape (u, c)
+        Of each cell; the group that it is in.
+    held : ndarray, shape (h,)
+        Groups that are held out, each in turn.
+    moments : ndarray, shape (u, g, p + k, p + k)
+        Out: sums of products of columns in each group.
+    errors : ndarray, shape (u, h, q, k)
+        Out: of fits of all but the last ``q - 1`` columns, of one more, up to all p.
+    told : ndarray, shape (u, h)
+        Out: how little the columns look alike, as the squares of the inverse of the Cholesky factor of their products,
+        each of unit length; infinite where there is none, and the errors are not filled.
+    """
+    k, orders = errors.shape[3], errors.shape[2]
+    width, groups = columns.shape[2], moments.shape[1]
+    p = width - k
+    total, square, root = np.empty((width, width)), np.empty((1, p, p)), np.empty((1, p, p))
+    size, fit, moved = np.empty(p), np.empty((k, p)), np.empty((p, k))
+    for u in range(len(columns)):
+        for g in range(groups):
+            for a in range(width):
+                for b in range(width):
+                    moments[u, g, a, b] = 0.0
+        for i in range(columns.shape[1]):
+            row, own = columns[u, i], moments[u, number[u, i]]
+            for a in range(width):
+                part, share = own[a], weight[u, i] * row[a]
+                for b in range(width):
+                    part[b] += share * row[b]
+        for a in range(width):
+            for b in range(width):
+                whole = 0.0
+                for g in range(groups):
+                    whole += moments[u, g, a, b]
+                total[a, b] = whole
+        for h in range(len(held)):
+            own = moments[u, held[h]]
+            told[u, h] = 0.0
+            for a in range(p):
+                left = total[a, a] - own[a, a]
+                size[a] = np.sqrt(left) if left > LOST * total[a, a] else np.inf
+            for a in range(p):
+                for b in range(p):
+                    square[0, a, b] = (total[a, b] - own[a, b]) / (size[a] * size[b])
+            fill_roots(square, root)
+            for a in range(p):
+                for b in range(a + 1):
+                    told[u, h] += root[0, a, b] * root[0, a, b]
+            if not told[u, h] < np.inf:
+                continue
+            for a in range(p):
+                for j in range(k):
+                    along = 0.0
+                    for b in range(a + 1):
+                        along += root[0, a, b] * (total[b, p + j] - own[b, p + j]) / size[b]
+                    moved[a, j], fit[j, a] = along, 0.0
+            for last in range(p):
+                for j in range(k):
+                    for a in range(last + 1):
+                        fit[j, a] += root[0, last, a] * moved[last, j] / size[a]
+                    order = last + orders - p
+                    if order >= 0:
+                        error = own[p + j, p + j]
+                        for a in range(last + 1):
+                            inner, part = -2.0 * own[a, p + j], own[a]
+                            for b in range(last + 1):
+                                inner += part[b] * fit[j, b]
+                            error += fit[j, a] * inner
+                        errors[u, h, order, j] = error
 
 
 @reordered

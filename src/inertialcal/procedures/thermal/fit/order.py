@@ -24,7 +24,7 @@ import numpy as np
 
 from ....core.estimate import Array
 from ....statistics.least_squares import symmetric_inverse
-from ._kernels_cells import fill_roots
+from ._kernels_cells import LOST, fill_errors
 from .cells import Cells, Indices
 from .law import designs, gathered, path_order_of
 
@@ -134,57 +134,43 @@ def _scores(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array, 
     from the weighted moments of all groups. The cells of several thermometers, of one shape, are taken end to end.
     """
     groups = [_groups(one) for one in cells]
-    units, each, first = len(cells), groups[0].count, groups[0]
-    turn = np.arange(units)[:, None]
-    number = (np.array([one.number for one in groups]) + each * turn).ravel()
-    order = np.argsort(number, kind="stable")
-    starts = np.flatnonzero(np.diff(number[order], prepend=-1))
-    beside = np.array([one.beside for one in cells]).swapaxes(1, 2)
-    columns = np.concatenate([designs(cells, largest, first.path_order), beside], axis=2)
-    p = columns.shape[2] - beside.shape[2]
-    columns, weight = columns.reshape(-1, columns.shape[2]), np.concatenate([one.weight for one in cells])
+    each, first = groups[0].count, groups[0]
+    number, weight = np.array([one.number for one in groups]), np.array([one.weight for one in cells])
+    P, D = np.split(designs(cells, largest, first.path_order), [largest + 1], axis=2)
+    columns = np.concatenate([D, P, np.array([one.beside for one in cells]).swapaxes(1, 2)], axis=2)
     if first.offsets > 1:  # less the weighted mean of each offset
-        own = (np.array([one.offset for one in groups]) + first.offsets * turn).ravel()
-        total = np.bincount(own, weight)
-        sums = [np.bincount(own, column * weight) for column in columns.T]
-        columns = columns - (np.column_stack(sums) / total[:, None])[own]
-    columns, weight = columns[order], weight[order]
-    weighted = columns * weight[:, None]
-    moments = np.add.reduceat(columns[:, :p, None] * weighted[:, None, :], starts).reshape(units, each, p, -1)
-    squares = np.add.reduceat(columns[:, p:] * weighted[:, p:], starts).reshape(units, each, -1)
-    tried = slice(1, -1) if first.held_out == "blocks" and each > BLOCKS else slice(None)
-    left = moments[:, tried]
-    rest = moments.sum(axis=1, keepdims=True) - left
-    found = _solved(rest[..., :p], rest[..., p:], largest)
-    bent = np.sum(
-        found * (left[:, :, None, :, :p] @ found - 2.0 * left[:, :, None, :, p:]), axis=3
-    )  # (u, g, orders, k)
-    errors = np.maximum(squares[:, tried, None] + bent, 0.0).transpose(0, 3, 2, 1)
-    share = np.add.reduceat(weight, starts).reshape(units, each)[:, tried]
+        of = np.array([one.offset for one in groups])[..., None] == np.arange(first.offsets)
+        own = (weight[..., None] * of).swapaxes(1, 2)
+        columns = columns - of @ ((own @ columns) / own.sum(axis=2, keepdims=True))
+    held = np.arange(1, each - 1) if first.held_out == "blocks" and each > BLOCKS else np.arange(each)
+    k, width = len(cells[0].beside), columns.shape[2]
+    moments, told = np.empty((len(cells), each, width, width)), np.empty((len(cells), len(held)))
+    errors = np.empty((*told.shape, largest + 1, k))
+    fill_errors(columns, weight, number, held, moments, errors, told)
+    for u, h in zip(*np.nonzero(~((width - k) * told < SAFE)), strict=True):  # bounds the ratio of the eigenvalues
+        own = moments[u, held[h]]
+        errors[u, h] = _missed(moments[u].sum(axis=0) - own, own, largest + 1, k)
+    share = np.sum(weight[:, None] * (number[:, None] == held[:, None]), axis=2)
+    errors = np.maximum(errors, 0.0).transpose(0, 3, 2, 1)
     scores = np.sqrt((errors / share[:, None, None]).mean(axis=3))
     lowest = np.argmax(scores <= NO_BETTER * scores.min(axis=2, keepdims=True), axis=2).tolist()
     return [(first.held_out, *one) for one in zip(scores, lowest, strict=True)]
 
 
-def _solved(square: Array, along: Array, largest: int) -> Array:
-    """Return the coefficients of each order of P with D, (u, g, largest + 1, p, k), of moments (u, g, p, p or k).
+def _missed(rest: Array, held: Array, orders: int, k: int) -> Array:
+    """Return the sums of squares that fits miss what is held out by, of one order after the other, shape (orders, k).
 
-    Columns of higher orders have the coefficient 0; a direction that the cells hardly tell does not count.
+    ``rest``, ``held``: products of columns and of k readings, shape (p + k, p + k). A direction that the cells hardly
+    tell does not count; nor does a column of which they show nothing.
     """
-    p = square.shape[2]
-    at = np.arange(p)
-    taken = (at > largest) | (at <= np.arange(largest + 1)[:, None])  # a row an order
-    scale = np.sqrt(np.maximum(np.diagonal(square, axis1=2, axis2=3), np.finfo(float).tiny))[..., None]
-    square, along = square / (scale * scale.swapaxes(2, 3)), along / scale
-    nested = np.roll(at, p - largest - 1)  # all of D first: those of an order are then the first ones
-    root = np.empty(square.shape)
-    fill_roots(square[:, :, nested[:, None], nested].reshape(-1, p, p), root.reshape(-1, p, p))
-    safe = np.all(p * np.sum(root**2, axis=(2, 3)) < SAFE, axis=1)  # bounds the ratio of the eigenvalues, of all orders
-    root[~safe] = 0.0
-    part = (root @ along[:, :, nested])[:, :, None] * taken[:, nested, None]
-    found = (root.swapaxes(2, 3)[:, :, None] @ part)[..., np.argsort(nested), :]
-    for u in np.flatnonzero(~safe):
-        for order, own in enumerate(map(np.flatnonzero, taken)):
-            inverse = symmetric_inverse(square[u][:, own[:, None], own], LEAST)
-            found[u, :, order, own] = (inverse @ along[u][:, own]).swapaxes(0, 1)
-    return np.asarray(found / scale[:, :, None])
+    p = len(rest) - k
+    left, whole = np.diagonal(rest)[:p], np.diagonal(rest + held)[:p]
+    scale = np.where(left > LOST * whole, np.sqrt(np.maximum(left, 0.0)), np.inf)
+    errors = np.empty((orders, k))
+    for order in range(orders):
+        own = slice(p - orders + order + 1)
+        inverse = symmetric_inverse((rest[:p, :p] / np.outer(scale, scale))[own, own], LEAST)
+        found = inverse @ (rest[own, p:] / scale[own, None]) / scale[own, None]
+        bent = np.sum(found * (held[own, own] @ found - 2.0 * held[own, p:]), axis=0)
+        errors[order] = np.diagonal(held)[p:] + bent
+    return errors
