@@ -108,15 +108,15 @@ def test_what_is_still_ends_where_the_temperature_leaves_its_noise(run: Any) -> 
     columns = np.array([np.arange(n, dtype=float), T])
     columns[1, 7] = columns[0, 9] = np.nan
     known = np.empty(n, dtype=np.int64)
-    count = run.count_still(columns, 1.0, 3.0, known)
+    count = run.count_still(*columns, 1.0, 3.0, known)
     at = np.flatnonzero(np.isfinite(columns).all(axis=0))
     near = np.flatnonzero(np.abs(T[at] - T[at[:2]].mean()) > 1.0)[0]
     half = T[at[: near // 2]]
     assert count == np.flatnonzero(np.abs(T[at[:near]] - half.mean()) <= 3.0 * half.std())[-1] + 1
     assert 995 < count < 1010
     assert known[:count].tolist() == at[:count].tolist()
-    assert run.count_still(columns[:, ::-1].copy(), 1.0, 3.0, known) == -1  # time goes back
-    assert run.count_still(np.full((2, 5), np.nan), 1.0, 3.0, known) == 0
+    assert run.count_still(*columns[:, ::-1].copy(), 1.0, 3.0, known) == -1  # time goes back
+    assert run.count_still(*np.full((2, 5), np.nan), 1.0, 3.0, known) == 0
 
 
 def test_roots_are_those_of_numpy(run: Any) -> None:

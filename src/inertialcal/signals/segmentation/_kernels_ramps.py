@@ -63,3 +63,10 @@ def fill_turns(
         turns[count], ways[count] = begin, way
         count += 1
         at = seen
+
+
+@compiled
+def fill_path(x: Array, level: float, way: int, reversal: float, path: NDArray[np.int8]) -> None:
+    """Fill in which samples of a ramp lie the reversal or more from the level of its turn: its way, else 0."""
+    for i in range(len(x)):
+        path[i] = way if way * (x[i] - level) >= reversal else 0

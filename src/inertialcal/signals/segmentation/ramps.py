@@ -60,6 +60,8 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     """
     if not reversal > 0.0:
         raise PlanError(f"reversal {reversal:g} degC: need more than 0")
+    from ._kernels_ramps import fill_path  # noqa: PLC0415 - numba starts slowly
+
     valid = count(temperature, np.isfinite)
     if not valid:
         raise DataError("no valid temperature", code="no_valid_sample")
@@ -71,7 +73,7 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     for at, start, stop, way in zip(turns, starts, ends, ways, strict=True):
         own, warm = path[start:stop], temperature[start:stop]
         for first, last in batches(own, warm, size=near()):
-            own[first:last] = np.where(way * (warm[first:last] - level[at]) >= reversal, way, NO_PATH)
+            fill_path(np.asarray(warm[first:last], dtype=np.float64), level[at], way, reversal, own[first:last])
     return Ramps(path, tuple(starts), tuple(ways))
 
 

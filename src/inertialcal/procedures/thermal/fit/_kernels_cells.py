@@ -137,14 +137,13 @@ def fill_cubic(columns: Array, ends: Array, middle: Array, cubic: Array, powers:
 
 
 @compiled
-def count_still(columns: Array, away: float, noise: float, known: NDArray[np.int64]) -> int:
+def count_still(time: Array, temperature: Array, away: float, noise: float, known: NDArray[np.int64]) -> int:
     """Return how many samples pass before the temperature leaves that of the start for good; -1 where time goes back.
 
-    Of columns of these, (2, n), what is known of both alone counts; which ones these are is filled in. What lies
-    further away from the first thousandth than so much has left; so has what is no longer within so many standard
+    Of both, shape (n,), what is known alone counts; which ones these are is filled in. What lies further away from the first thousandth than so much has left; so has what is no longer within so many standard
     deviations of the first half of the rest.
     """
-    time, temperature, count, last = columns[0], columns[1], 0, -np.inf
+    count, last = 0, -np.inf
     for i in range(len(time)):
         if np.isfinite(time[i]) and np.isfinite(temperature[i]):
             if time[i] < last:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -22,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from ....core.batches import any_step, batches, count, empty, kept, made, near, zeros
+from ....core.batches import any_step, batches, empty, kept, made, near, zeros
 from ....core.batches.summaries import median_made
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -286,6 +287,16 @@ class Cells:
         return int(self.run_number.max(initial=-1)) + 1
 
     @cached_property
+    def loops(self) -> int:
+        """Number of pairs of a ramp of warming and one of cooling in one run."""
+        most, each = int(self.ramp.max()) + 1, []
+        for way in (WARMING, COOLING):
+            own = self.path == way
+            seen = np.flatnonzero(np.bincount(self.run_number[own] * most + self.ramp[own]))
+            each.append(np.bincount(seen // most, minlength=self.runs))
+        return int(np.minimum(*each).sum())
+
+    @cached_property
     def run_number(self) -> NDArray[np.intp]:
         """Number of the run of each cell, from 0 among those that have one, shape (c,)."""
         return np.unique(self.run, return_inverse=True)[1]
@@ -328,9 +339,13 @@ def series_of(plan: Plan, readings: Readings, axis: str, others: Sequence[Series
     ways: list[int] = []
     for one in sweeps:
         mine = slice(at, at + len(one))
-        found = find_ramps(warm[mine], turn_over) if count(warm[mine], np.isfinite) else None
+        found = None
+        with suppress(DataError):  # no temperature is valid
+            found = find_ramps(warm[mine], turn_over)
         starts = [at + start for start in found.starts] if found is not None and len(found) else [at]
-        if found is not None:
+        if found is not None and len(sweeps) == 1:
+            path = found.path
+        elif found is not None:
             for first, stop in batches(path[mine], found.path):
                 path[at + first : at + stop] = found.path[first:stop]
         ramps += [slice(*ends) for ends in pairwise([*starts, mine.stop])]
@@ -549,17 +564,20 @@ def _used(
     lowest = np.maximum(span[0], np.minimum.reduceat(T - wide, starts))
     highest = np.minimum(span[1], np.maximum.reduceat(T + wide, starts))
     warm, cool = (_seen(unit, number, path == way, len(series), bins) for way in (WARMING, COOLING))
+    its_ramps = [_seen(unit, flat["ramp"], path == way, len(series), len(series[0].ramps)).sum(axis=1)
+                 for way in (WARMING, COOLING)]  # fmt: skip
     seen = {
         "bins": np.count_nonzero(warm | cool, axis=1).tolist(),
         "shared_bins": [np.flatnonzero(one) for one in warm & cool],
-        "ramps": _seen(unit, flat["ramp"], path != 0, len(series), len(series[0].ramps)).sum(axis=1).tolist(),
+        "ramps": np.add(*its_ramps).tolist(),
         "ways": [tuple(way for way, on in ((COOLING, cold), (WARMING, hot)) if on)
                  for cold, hot in np.column_stack([cool.any(axis=1), warm.any(axis=1)]).tolist()],
         "root": np.split(np.sqrt(weight), starts[1:]),
         "used": np.add.reduceat(flat["samples"], starts).astype(int).tolist(),
     }  # fmt: skip
     if all(len({*one.runs}) == 1 for one in series):
-        seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:])}
+        seen |= {"runs": [1] * len(series), "run_number": np.split(np.zeros(len(T), dtype=np.intp), starts[1:]),
+                 "loops": np.minimum(*its_ramps).tolist()}  # fmt: skip
     total = np.add.reduceat(flat["scatters"] ** 2 * flat["samples"], starts, axis=1)
     deviation = np.sqrt(total / np.add.reduceat(flat["samples"], starts)).T.tolist()
     least, most = (one.reduceat(flat["readings"], starts, axis=1).T.tolist() for one in (np.minimum, np.maximum))

@@ -111,7 +111,7 @@ def paths_of(law: Law, apart: Separated, no_hysteresis: float | None = None) -> 
 
 def separated(law: Law) -> Separated:
     """Return hysteresis and lag where the design tells them from each other and from drift."""
-    loops = _loops(law.cells)
+    loops = law.cells.loops
     return Separated(*(_separated(law, loops) if law.midway else (ONE_PATH, ONE_PATH)), loops)
 
 
@@ -133,20 +133,6 @@ def _mean_over_paths(law: Law, order: int) -> Array:
         ("mean over the paths", order, law.domain),
         lambda: series_rows(shared_grid(law), law.domain, order).mean(axis=0),
     )
-
-
-def _loops(cells: Cells) -> int:
-    """Count pairs of a ramp of warming and one of cooling in one run."""
-
-    def found() -> int:
-        most, each = int(cells.ramp.max()) + 1, []
-        for way in (1, -1):
-            own = cells.path == way
-            seen = np.flatnonzero(np.bincount(cells.run_number[own] * most + cells.ramp[own]))
-            each.append(np.bincount(seen // most, minlength=cells.runs))
-        return int(np.minimum(*each).sum())
-
-    return cells.once("loops", found)
 
 
 def _rates(cells: Cells) -> tuple[float, ...]:

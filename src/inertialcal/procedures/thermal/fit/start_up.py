@@ -121,9 +121,9 @@ def _still_part(series: Series, run: int) -> Indices:
     """Return the same by the temperature alone."""
     if series.short:
         parts = series.of_run(run)
-        columns = np.concatenate([[series.time[one], series.temperature[one]] for one in parts], axis=1)
-        known = np.empty(columns.shape[1], dtype=np.int64)
-        count = count_still(columns, STILL * series.turn_over, NOISE, known)
+        time, temperature = (_row(one, parts) for one in (series.time, series.temperature))
+        known = np.empty(len(time), dtype=np.int64)
+        count = count_still(time, temperature, STILL * series.turn_over, NOISE, known)
         if count >= 0:
             known = known[:count]
             return known + parts[0].start if len(parts) == 1 else _numbered(parts)[known]
@@ -147,6 +147,12 @@ def _still_part(series: Series, run: int) -> Indices:
     half = warm[: max(len(steady) // 2, 1)]
     at_rest = np.flatnonzero(np.abs(warm - half.mean()) <= NOISE * half.std())
     return steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
+
+
+def _row(x: Array, parts: Sequence[slice]) -> Array:
+    """Return some parts of a row end to end, shape (n,): one alone is not copied."""
+    own = x[parts[0]] if len(parts) == 1 else np.concatenate([x[one] for one in parts])
+    return np.ascontiguousarray(own, dtype=np.float64)
 
 
 def _numbered(parts: Sequence[slice]) -> Indices:
