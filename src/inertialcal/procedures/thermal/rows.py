@@ -48,6 +48,17 @@ BEHIND = Reason("limits", "delay of the bias behind the thermometer")
 FEW_SAMPLES = Reason("few_samples", "no cell has three samples")
 
 
+@lru_cache(maxsize=1024)  # the same of all units of a lot
+def _key(quantity: str, axis: str, at: float | None = None) -> Key:
+    return Key(quantity, axis, at=None if at is None else at_degrees(at))
+
+
+@lru_cache(maxsize=1024)
+def _none(key: Key, unit: str, reason: Reason, method: Method = Method.RESULT) -> Row:
+    """Return the row of what is not estimated: one for all units that have it."""
+    return not_estimated(key, unit, reason, method)
+
+
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
     return rows_many([result])[0]
@@ -79,7 +90,7 @@ def _rows(
     found: list[Row] = []
     for axis in _axes(result):
         if axis not in result.sensors:
-            found.append(not_estimated(Key("bias", axis), result.readings.unit, result.reasons[axis]))
+            found.append(_none(_key("bias", axis), result.readings.unit, result.reasons[axis]))
             continue
         one = result.sensors[axis]
         intervals, scatter, cubic = known[axis]
@@ -129,12 +140,12 @@ def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key,
             if key in own:
                 yield own[key]
             else:
-                yield not_estimated(key, unit, _why_not(result, one))
+                yield _none(key, unit, _why_not(result, one))
     low, high = one.law.domain
     for temperature in result.plan.at or ():
         if not low <= temperature <= high:
             reason = Reason("outside", f"outside the range of the ramps, {low:.4g} to {high:.4g} degC")
-            yield not_estimated(Key("bias", axis, at=at_degrees(temperature)), result.readings.unit, reason)
+            yield _none(_key("bias", axis, temperature), result.readings.unit, reason)
 
 
 def _limits(result: Result, one: OfSensor) -> Reason:
@@ -179,7 +190,7 @@ def _why_not(result: Result, one: OfSensor) -> Reason:
 
 def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
     for name, value in zip(("temperature_lowest", "temperature_highest"), one.law.domain, strict=True):
-        yield Row.without(Key(name, axis), value, "degC", RANGE)
+        yield Row.without(_key(name, axis), value, "degC", RANGE)
 
 
 def _effects(one: OfSensor) -> tuple[PathEffect, PathEffect, PathEffect]:
@@ -201,16 +212,18 @@ def _path_rows(result: Result, axis: str, one: OfSensor, intervals: Sequence[Int
     extra = f"; {limits}" if (limits := _level_limits(one)) else ""
     told = Reason(paths.word, f"{paths.word}: {paths.why}")
     difference, hysteresis, lag = intervals
-    yield _effect_row(Key("path_difference", axis), unit, paths.difference, difference, Reason("limits", over + extra))
-    yield _effect_row(Key("hysteresis", axis), unit, paths.hysteresis, hysteresis, told, f"{paths.word}: ")
-    yield _effect_row(Key("thermal_lag", axis), "s", paths.lag, lag, BEHIND)
+    yield _effect_row(_key("path_difference", axis), unit, paths.difference, difference, Reason("limits", over + extra))
+    yield _effect_row(_key("hysteresis", axis), unit, paths.hysteresis, hysteresis, told, f"{paths.word}: ")
+    yield _effect_row(_key("thermal_lag", axis), "s", paths.lag, lag, BEHIND)
 
 
 def _effect_row(
     key: Key, unit: str, effect: PathEffect, interval: Interval | None, told: Reason, word: str = ""
 ) -> Row:  # fmt: skip
     """Return the row of something that differs between the paths; its own reason, after a word, goes first."""
-    if effect.value is None or effect.u is None or effect.dof is None or interval is None:
+    if effect.value is None:
+        return _none(key, unit, Reason(told.code, f"{word}{effect.reason}"))
+    if effect.u is None or effect.dof is None or interval is None:
         return Row.without(key, effect.value, unit, Reason(told.code, f"{word}{effect.reason}"))
     return Row.of_own(key, effect.value, effect.u, unit, effect.dof, interval, told)
 
@@ -234,16 +247,16 @@ def _scatter_rows(result: Result, axis: str, one: OfSensor, std: float, dof: flo
     name = "scatter_recording" if result.plan.run_level == "recording" else "scatter_run"
     offsets = one.run_offsets
     if len(offsets) < 2 or not (cells.paths_repeated or one.paths.loops):
-        yield not_estimated(Key(name, axis), unit, NOT_REPEATED if len(offsets) < 2 else PATHS)
+        yield _none(_key(name, axis), unit, NOT_REPEATED if len(offsets) < 2 else PATHS)
         return
     yield _scatter_row(name, axis, unit, float(np.std(offsets, ddof=1)), len(offsets) - 1.0, SAME)
 
 
 def _scatter_row(name: str, axis: str, unit: str, std: float, dof: float, reason: Reason) -> Row:
     if dof < 1.0 or not std > 0.0:
-        return not_estimated(Key(name, axis), unit, reason)
+        return _none(_key(name, axis), unit, reason)
     interval, u = chi_square_interval(std, dof), std / math.sqrt(2.0 * dof)
-    return Row.of_own(Key(name, axis), std, u, unit, dof, interval, NO_REASON)
+    return Row.of_own(_key(name, axis), std, u, unit, dof, interval, NO_REASON)
 
 
 def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
@@ -252,29 +265,29 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     names = (("warm_up_change", unit), ("warm_up_time_constant", "s"))
     if found is None or not found.identified:
         reason = Reason("no_transient", start.reason if found is None else QUIET)
-        yield from (not_estimated(Key(name, axis), its, reason) for name, its in names)
+        yield from (_none(_key(name, axis), its, reason) for name, its in names)
     elif not found.resolved:
-        yield from (not_estimated(Key(name, axis), its, LONG) for name, its in names)
+        yield from (_none(_key(name, axis), its, LONG) for name, its in names)
     else:
         values, us = (found.change, found.time_constant), np.sqrt(np.diag(found.covariance))
         for (name, its), value, u, dof in zip(names, values, us, found.dof, strict=True):
             known = dof > 0.0
             interval = t_interval(value, float(u), float(dof)) if known else None
             told = Reason("limits", "reading at power-up minus settled reading" if name == "warm_up_change" else "")
-            yield Row(Key(name, axis), value, float(u) if known else None, its, float(dof) if known else None, interval,
+            yield Row(_key(name, axis), value, float(u) if known else None, its, float(dof) if known else None, interval,
                       "estimated" if known else "not_estimated", told if known else ONE_RUN)  # fmt: skip
     yield _cut_row(result, axis, one)
 
 
 def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     """Row of what is left out after a power-up, by the criterion or as the plan says."""
-    start, found, key = one.start_up, one.start_up.found, Key("warm_up_time", axis)
+    start, found, key = one.start_up, one.start_up.found, _key("warm_up_time", axis)
     own = result.readings.unit
     unit = result.plan.unit or own
     if result.plan.warm_up is not None:
         return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:
-        return not_estimated(key, "s", Reason("no_transient", start.reason))
+        return _none(key, "s", Reason("no_transient", start.reason))
     if not found.identified or start.cut <= 0.0:
         return Row(key, 0.0, None, "s", status="not_estimated", reason=Reason("none_left_out", "nothing left out"))
     least = start.settled * (factor(own, unit) if unit != own else 1.0)
@@ -288,7 +301,7 @@ def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
 def _reference_rows(result: Result, axis: str) -> Iterator[Row]:
     for name, estimate in result.references.items():
         own = estimate_rows(estimate)
-        for key in (Key(name, axis), Key(f"{name}_temperature", axis, power=1)):
+        for key in (_key(name, axis), Key(f"{name}_temperature", axis, power=1)):
             if key in own:
                 yield own[key]
 
@@ -478,8 +491,8 @@ def published_rows(plan: Plan, axis: str, known: PublishedRows, unit: str) -> li
     """Return coefficients, residual sum of squares and adjusted R-square of the published way."""
     found = known.fit
     if found is None:
-        key, reason = Key("residual_sum_of_squares", axis), Reason("few_samples", "too few samples for a cubic")
-        return [not_estimated(key, normalise(f"({unit})^2"), reason, Method.TEXTBOOK)]
+        key, reason = _key("residual_sum_of_squares", axis), Reason("few_samples", "too few samples for a cubic")
+        return [_none(key, normalise(f"({unit})^2"), reason, Method.TEXTBOOK)]
     keys, units = _published_labels(axis, unit, found.volts)
     told = f"unweighted cubic through all {found.samples} samples; the uncertainty assumes they are independent"
     reason, dof = Reason("limits", told), found.polynomial.dof
@@ -497,12 +510,12 @@ def published_rows(plan: Plan, axis: str, known: PublishedRows, unit: str) -> li
     return rows
 
 
-@lru_cache(maxsize=256)  # the same of all units of a lot
+@lru_cache(maxsize=256)
 def _published_labels(axis: str, unit: str, volts: bool) -> tuple[tuple[Key, ...], tuple[str, ...]]:
     """Return keys and units of the coefficients, the residual sum of squares and the adjusted R-square."""
     own, by = ("V", "V") if volts else (unit, "degC")
     stem = "bias_voltage" if volts else "bias_temperature"
-    keys = [Key("bias", axis) if j == 0 and not volts else Key(stem, axis, power=j) for j in range(ORDER + 1)]
+    keys = [_key("bias", axis) if j == 0 and not volts else Key(stem, axis, power=j) for j in range(ORDER + 1)]
     units = [power_unit(own, by, j) for j in range(ORDER + 1)]
-    named = (Key(name, axis) for name in ("residual_sum_of_squares", "adjusted_r_square"))
+    named = (_key(name, axis) for name in ("residual_sum_of_squares", "adjusted_r_square"))
     return (*keys, *named), (*units, normalise(f"({own})^2"), "1")
