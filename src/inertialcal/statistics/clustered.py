@@ -121,12 +121,15 @@ class Clustered(NamedTuple):
         return covariance[0], dof[0]
 
 
-def contrasts_each(found: Sequence[Clustered], rows: Array) -> tuple[Array, Array]:
-    """Return the same of several fits of one shape with so many clusters each: rows (s, m, p); (s, m, m), (s, m)."""
+def contrasts_each(found: Sequence[Clustered], rows: Array, free: int | None = None) -> tuple[Array, Array]:
+    """Return the same of several fits of one shape with so many clusters each: rows (s, m, p); (s, m, m), (s, free).
+
+    ``free``: of how many of the first rows the degrees of freedom are wanted; None for all.
+    """
     to_contrast = rows @ np.array([one.fit.transform for one in found])
     spread = to_contrast @ np.array([one.score for one in found]).swapaxes(1, 2)
     gram, adjust = (np.array([getattr(one, name) for one in found]) for name in ("gram", "adjust"))
-    return spread @ spread.swapaxes(1, 2), _satterthwaite(gram, adjust, to_contrast)
+    return spread @ spread.swapaxes(1, 2), _satterthwaite(gram, adjust, to_contrast[:, :free])
 
 
 def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:

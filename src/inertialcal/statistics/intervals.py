@@ -106,9 +106,11 @@ def t_intervals(values: Array, u: Array, dof: Array, p: float = 0.95) -> list[In
         return [t_interval(*one, p) for one in zip(values.tolist(), u.tolist(), dof.tolist(), strict=True)]
     _check_probability(p)
     below = 0.5 * (1.0 + p)
-    known = np.isinf(dof)
-    factor = np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below))
-    half = factor * u
+    if len(dof) and np.all(dof == dof[0]):
+        half = coverage_factor(float(dof[0]), p) * u
+    else:
+        known = np.isinf(dof)
+        half = np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below)) * u
     return [
         Interval.of_own(lo, hi, p) for lo, hi in zip((values - half).tolist(), (values + half).tolist(), strict=True)
     ]

@@ -274,7 +274,7 @@ def _factors(laws: Sequence[Law]) -> list[Array]:
     """Return independent unknowns of the coefficients of each law, shape (s, order + 1)."""
     found: dict[int, Array] = {}
     for alike in gathered(one.order for one in laws):
-        found.update(zip(alike, factors(np.array([laws[i].scatter.each[0] for i in alike])), strict=True))
+        found.update(zip(alike, factors(np.array([laws[i].scatter.covariance for i in alike])), strict=True))
     return [found[i] for i in range(len(laws))]
 
 

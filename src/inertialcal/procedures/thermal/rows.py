@@ -274,7 +274,8 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
             known = dof > 0.0
             interval = t_interval(value, float(u), float(dof)) if known else None
             told = Reason("limits", "reading at power-up minus settled reading" if name == "warm_up_change" else "")
-            yield Row(_key(name, axis), value, float(u) if known else None, its, float(dof) if known else None, interval,
+            key, its_u, free = _key(name, axis), float(u) if known else None, float(dof) if known else None
+            yield Row(key, value, its_u, its, free, interval,
                       "estimated" if known else "not_estimated", told if known else ONE_RUN)  # fmt: skip
     yield _cut_row(result, axis, one)
 
@@ -402,8 +403,7 @@ def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
     """
     units, k = len(columns), len(columns[0]) - 2
     ends = np.array([(one[0].min(), one[0].max()) for one in columns])
-    with np.errstate(over="ignore"):  # values near the end of float64
-        middle, cubic = np.array([one[2:].mean(axis=1) for one in columns]), np.zeros((units, k, ORDER + 1))
+    middle, cubic = np.array([one[2:, 0] for one in columns]), np.zeros((units, k, ORDER + 1))
     powers, (first, last) = np.empty((units, 2 * ORDER + 1)), np.empty((2, units, k, ORDER + 2))
     for one, *own in zip(columns, ends, middle, cubic, powers, first, strict=True):
         fill_cubic(one, *own)
@@ -416,12 +416,13 @@ def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
     inverse = root.swapaxes(1, 2) @ root
     with np.errstate(over="ignore", invalid="ignore"):
         cubic = first[..., :-1] @ inverse
+        total = np.maximum(first[..., -1] - first[..., 0] ** 2 / powers[:, :1], 0.0)  # about the mean
     for one, *own in zip(columns, ends, middle, cubic, powers, last, strict=True):
         fill_cubic(one, *own)
     cubic += last[..., :-1] @ inverse  # what rounding left
     cubic[..., 0] += middle
     covariance = last[..., -1, None, None] * inverse[:, None]
-    figures = zip(cubic, covariance, last[..., -1].tolist(), first[..., -1].tolist(), strict=True)
+    figures = zip(cubic, covariance, last[..., -1].tolist(), total.tolist(), strict=True)
     found: list[list[_Cubic] | None] = []
     for one, (low, high), keep, figure in zip(columns, ends.tolist(), told.tolist(), figures, strict=True):
         own = [_Cubic(*each, one.shape[1], (low, high)) for each in zip(*figure, strict=True)]

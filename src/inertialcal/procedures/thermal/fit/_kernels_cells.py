@@ -44,20 +44,25 @@ def add_cells(
         In and out: samples in no bin. No reading or temperature, before the time, on no path.
     """
     rows, n = columns.shape
-    bins, mean = np.empty(n, dtype=np.int64), np.empty(rows)
+    bins, mean, warm, time = np.empty(n, dtype=np.int64), np.empty(rows), columns[0], columns[1]
+    lost, late, off, last = 0, 0, 0, count.shape[1] - 1
     for i in range(n):
-        valid = np.isfinite(columns[0, i])
-        for j in range(2, 2 + readings):
-            valid = valid and np.isfinite(columns[j, i])
-        bins[i] = NONE
-        if not valid:
-            left[0] += 1
-        elif columns[1, i] < cut:
-            left[1] += 1
-        elif path[i] == 0:
-            left[2] += 1
-        else:
-            bins[i] = min(int((columns[0, i] - ends[0]) / ends[1]), count.shape[1] - 1)
+        bins[i] = 0 if np.isfinite(warm[i]) else NONE
+    for j in range(2, 2 + readings):
+        row = columns[j]
+        for i in range(n):
+            bins[i] = bins[i] if np.isfinite(row[i]) else NONE
+    for i in range(n):
+        lost += bins[i] < 0
+        early = bins[i] == 0 and time[i] < cut
+        late += early
+        none = bins[i] == 0 and not early and path[i] == 0
+        off += none
+        own = min(int((warm[i] - ends[0]) / ends[1]), last)
+        bins[i] = NONE if bins[i] < 0 or early or none else own
+    left[0] += lost
+    left[1] += late
+    left[2] += off
     for ramp in range(len(bounds)):
         stop = bounds[ramp, 0]
         while stop < bounds[ramp, 1]:  # a stretch of samples in one bin
@@ -73,13 +78,13 @@ def add_cells(
                 for i in range(len(row)):
                     total += row[i]
                 mean[j] = total / size
-            warm, middle, apart = columns[0, start:stop], mean[0], mean[0] - means[ramp, 0, at]
+            own_warm, middle, apart = columns[0, start:stop], mean[0], mean[0] - means[ramp, 0, at]
             for j in range(2 + readings):
                 own, along, row, level = 0.0, 0.0, columns[j, start:stop], mean[j]
                 for i in range(len(row)):
                     away = row[i] - level
                     own += away * away
-                    along += away * (warm[i] - middle)
+                    along += away * (own_warm[i] - middle)
                 far = level - means[ramp, j, at]
                 to = j if j < 2 else 1 + j
                 squares[ramp, to, at] += own + before * share * far * far
@@ -140,8 +145,9 @@ def fill_cubic(columns: Array, ends: Array, middle: Array, cubic: Array, powers:
 def count_still(time: Array, temperature: Array, away: float, noise: float, known: NDArray[np.int64]) -> int:
     """Return how many samples pass before the temperature leaves that of the start for good; -1 where time goes back.
 
-    Of both, shape (n,), what is known alone counts; which ones these are is filled in. What lies further away from the first thousandth than so much has left; so has what is no longer within so many standard
-    deviations of the first half of the rest.
+    Of both, shape (n,), what is known alone counts; which ones these are is filled in. What lies further away from the
+    first thousandth than so much has left; so has what is no longer within so many standard deviations of the first
+    half of the rest.
     """
     count, last = 0, -np.inf
     for i in range(len(time)):

@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -104,6 +104,11 @@ class Scatter(NamedTuple):
         return self.once(_named(rows), lambda: _contrasts(self.of_fit, rows, 0))
 
     @property
+    def covariance(self) -> Array:
+        """Covariance of the coefficients of P."""
+        return self.once("covariance", lambda: self.each[0])
+
+    @property
     def of_path_fit(self) -> Clustered:
         """Of D."""
         if self.path_fit is self.fit:
@@ -143,7 +148,7 @@ class Law:
         found.__dict__.update(fields)
         return found
 
-    @property
+    @cached_property
     def coefficients(self) -> Array:
         """Of P, shape (order + 1,)."""
         return self.fit.coefficients[: self.order + 1]
@@ -164,7 +169,7 @@ class Law:
         """Member of the level that each cell belongs to, shape (c,)."""
         return self.scatter.clusters
 
-    @property
+    @cached_property
     def midway(self) -> bool:
         """Whether P lies midway between two paths."""
         return self.path_order >= 0
@@ -446,14 +451,21 @@ def _known(found: Sequence[Clustered], order: int) -> list[bool]:
     return [bool(one) for one in np.all(contrasts_each(found, rows)[1] > 0.0, axis=1)]
 
 
-def contrasts_of(laws: Sequence[Law], rows: Sequence[Array], paths: bool = False) -> list[tuple[Array, Array]]:
-    """Return covariance and degrees of freedom of combinations of P, or of D, of judged laws, those alike at once."""
+def contrasts_of(
+    laws: Sequence[Law], rows: Sequence[Array], paths: bool = False, free: Sequence[int] | None = None
+) -> list[tuple[Array, Array]]:
+    """Return covariance and degrees of freedom of combinations of P, or of D, of judged laws, those alike at once.
+
+    ``free``: of how many of the first rows of each the degrees of freedom are wanted; None for all.
+    """
     every: dict[int, tuple[Array, Array]] = {}
     scatters = [one.scatter.of_path_fit if paths else one.scatter.of_fit for one in laws]
     starts = [one.order + 1 if paths else 0 for one in laws]
-    for at in gathered((one.score.shape, own.shape, k) for one, own, k in zip(scatters, rows, starts, strict=True)):
+    counts = [len(one) for one in rows] if free is None else free
+    for at in gathered((one.score.shape, own.shape, k, m)
+                       for one, own, k, m in zip(scatters, rows, starts, counts, strict=True)):  # fmt: skip
         whole = _whole(np.array([rows[i] for i in at]), scatters[at[0]], starts[at[0]])
-        covariance, dof = contrasts_each([scatters[i] for i in at], whole)
+        covariance, dof = contrasts_each([scatters[i] for i in at], whole, counts[at[0]])
         every.update(zip(at, zip(covariance, dof, strict=True), strict=True))
     return [every[i] for i in range(len(laws))]
 

@@ -83,7 +83,7 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
     scale = (plan.scale_factor or {}).get(axis)
 
     def rows_of(one: Law) -> list[Array]:
-        name = _asked_rows(plan, one)
+        name = _asked_rows(plan, one, inside)
         if name not in one.cells.once:
             find_rows([(plan, one)])
         found: list[Array] = one.cells.once[name]
@@ -103,21 +103,25 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
 
 def find_rows(laws: Sequence[tuple[Plan, Law]]) -> None:
     """Find the rows over temperature that `asked_of` wants of laws and of those of a higher order, alike at once."""
-    every = [(plan, one) for plan, law in laws for one in (law, law.higher) if one is not None]
-    own = {(id(one.cells.once), _asked_rows(plan, one)): (plan, one) for plan, one in every}
-    kinds: dict[tuple[int, int], list[tuple[Plan, Law]]] = {}
-    for plan, one in own.values():
-        kinds.setdefault((one.order, len(_inside(plan, one))), []).append((plan, one))
-    for (order, count), alike in kinds.items():
-        domains = np.array([one.domain for _, one in alike])
-        powers = powers_from_series_each(order, domains, [plan.reference_temperature for plan, _ in alike])
-        bases = series_rows_each(np.array([_inside(plan, one) for plan, one in alike]), domains, order)
-        for (plan, one), *rows in zip(alike, powers, bases, strict=True):
-            one.cells.once.keep(_asked_rows(plan, one), rows if count else rows[:1])
+    own: dict[tuple[int, Hashable], tuple[Plan, Law, tuple[float, ...]]] = {}
+    for plan, law in laws:
+        inside = _inside(plan, law)
+        for one in (law, law.higher):
+            if one is not None:
+                own[id(one.cells.once), _asked_rows(plan, one, inside)] = plan, one, inside
+    named = [*own.items()]
+    for at in gathered((one.order, len(inside)) for _, (_, one, inside) in named):
+        alike = [named[i] for i in at]
+        first, order = alike[0][1], alike[0][1][1].order
+        domains = np.array([one.domain for _, (_, one, _) in alike])
+        powers = powers_from_series_each(order, domains, [plan.reference_temperature for _, (plan, _, _) in alike])
+        bases = series_rows_each(np.array([inside for _, (_, _, inside) in alike]), domains, order)
+        for ((_, name), (_, one, _)), *rows in zip(alike, powers, bases, strict=True):
+            one.cells.once.keep(name, rows if first[2] else rows[:1])
 
 
-def _asked_rows(plan: Plan, law: Law) -> Hashable:
-    return "asked", law.order, law.domain, plan.reference_temperature, _inside(plan, law)
+def _asked_rows(plan: Plan, law: Law, inside: tuple[float, ...]) -> Hashable:
+    return "asked", law.order, law.domain, plan.reference_temperature, inside
 
 
 def _inside(plan: Plan, law: Law) -> tuple[float, ...]:
@@ -127,15 +131,17 @@ def _inside(plan: Plan, law: Law) -> tuple[float, ...]:
 
 
 def find_asked(laws: Sequence[Law], asked: Sequence[Sequence[Asked]]) -> None:
-    """Find what `estimate` wants of judged laws, of many units, alike at once; also of coefficients alone."""
-    alone = [np.eye(one.order + 1) for one in laws]
-    rows = [np.concatenate([*(one.rows for one in own), each]) for own, each in zip(asked, alone, strict=True)]
-    found = contrasts_of(laws, rows)
-    for law, every, each, (first, *_), (covariance, dof) in zip(laws, rows, alone, asked, found, strict=True):
-        n, m = len(every) - len(each), len(first.rows)
-        law.know_contrasts(each, (covariance[n:, n:], dof[n:]))
-        law.know_contrasts(every[:n], (covariance[:n, :n], dof[:n]))
-        law.know_contrasts(first.rows, (covariance[:m, :m], dof[:m]))
+    """Find what `estimate` wants of judged laws, of many units, alike at once; also the covariance of coefficients."""
+    rows = [np.concatenate([*(one.rows for one in own), np.eye(law.order + 1)])
+            for law, own in zip(laws, asked, strict=True)]  # fmt: skip
+    free = [len(every) - law.order - 1 for law, every in zip(laws, rows, strict=True)]
+    found = contrasts_of(laws, rows, free=free)
+    for law, every, n, (first, *rest), (covariance, dof) in zip(laws, rows, free, asked, found, strict=True):
+        m = len(first.rows)
+        law.scatter.once.keep("covariance", covariance[n:, n:])
+        law.know_contrasts(every[:n], (covariance[:n, :n], dof))
+        if rest:
+            law.know_contrasts(first.rows, (covariance[:m, :m], dof[:m]))
 
 
 @lru_cache(maxsize=256)
