@@ -390,7 +390,7 @@ def _used(series: Series, cut: float) -> Array | None:
     """
     columns = series.columns
     used = np.isfinite(columns[0]) & ~(columns[1] < cut)  # without a time it counts
-    columns = columns if used.all() else columns[:, used]
+    columns = columns if used.all() else np.compress(used, columns, axis=1)
     T = columns[0]
     few = len(T) <= FEW or (len({*T[:64].tolist()}) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1)
     return None if few else columns
@@ -408,8 +408,9 @@ def _cubics(columns: Sequence[Array]) -> list[list[_Cubic] | None]:
     for one, *own in zip(columns, ends, middle, cubic, powers, first, strict=True):
         fill_cubic(one, *own)
     at = np.arange(ORDER + 1)
-    square = 0.5 * (powers[:, at[:, None] + at] + powers[:, np.abs(at[:, None] - at)])  # of products of polynomials
-    root = np.empty(square.shape)
+    root = np.empty((units, ORDER + 1, ORDER + 1))
+    square = np.empty(root.shape)  # of products of polynomials
+    square[:] = 0.5 * (powers[:, at[:, None] + at] + powers[:, np.abs(at[:, None] - at)])
     fill_roots(square, root)
     told = np.abs(square).max(axis=(1, 2)) * np.sum(root**2, axis=(1, 2)) < APART
     root[~told] = 0.0

@@ -58,8 +58,7 @@ def add_cells(
         late += early
         none = bins[i] == 0 and not early and path[i] == 0
         off += none
-        own = min(int((warm[i] - ends[0]) / ends[1]), last)
-        bins[i] = NONE if bins[i] < 0 or early or none else own
+        bins[i] = NONE if bins[i] < 0 or early or none else min(int((warm[i] - ends[0]) / ends[1]), last)
     left[0] += lost
     left[1] += late
     left[2] += off
