@@ -229,7 +229,7 @@ def test_sums_of_clusters_are_those_of_numpy(run: Any) -> None:
     basis, left = rng.normal(size=(3, 9, 2)), rng.normal(size=(3, 9))
     labels = rng.permuted(np.tile([0, 0, 0, 1, 1, 2, 2, 2, 2], (3, 1)), axis=1)
     order, starts = (np.array(one) for one in zip(*map(members_of, labels), strict=True))
-    gram, sums = np.empty((2, 3, 2, 2)), np.empty((3, 3, 2))
+    gram, sums = np.zeros((2, 3, 2, 2)), np.zeros((3, 3, 2))
     run.fill_sums(basis, order, starts, left, np.array([2, 0]), gram, sums)
     for g in range(3):
         for s in range(3):
@@ -244,7 +244,7 @@ def test_degrees_of_freedom_are_those_of_the_whole_matrix(run: Any) -> None:
     rng = np.random.default_rng(4)
     half = rng.normal(size=(2, 5, 3, 3))
     gram, adjust, along = half @ half.swapaxes(2, 3), rng.normal(size=(2, 5, 3, 3)), rng.normal(size=(2, 3, 4))
-    found = np.empty((2, 2, 4))
+    found = np.zeros((2, 2, 4))
     run.fill_dof(gram, adjust, along, found)
     for s in range(2):
         for k in range(4):

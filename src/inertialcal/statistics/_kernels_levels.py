@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.estimate import Array
-from ._kernels import reordered
+from ._kernels import compiled, reordered
 
 ITERATIONS = 50
 SETTLED = 1e-6  # relative change of tau^2
@@ -307,7 +307,7 @@ def _joined(moved: Array, gain: Array, part: Array) -> None:
             part[a, b] = part[b, a] = 0.5 * total
 
 
-@reordered
+@compiled
 def _product(a: Array, b: Array, out: Array) -> None:
     """Fill the product of symmetric matrices whose product is one, shape (p, p, m): m of them side by side."""
     p, m = len(a), a.shape[2]
@@ -325,7 +325,7 @@ def _product(a: Array, b: Array, out: Array) -> None:
                 other[k] = total[k]
 
 
-@reordered
+@compiled
 def fill_inverse_roots(squares: Array, roots: Array) -> None:
     """Fill the inverse square roots of symmetric matrices with eigenvalues from 0 to 1, shape (m, p, p).
 
@@ -368,7 +368,7 @@ def fill_inverse_roots(squares: Array, roots: Array) -> None:
                     roots[first + k, i, j] = root[i, j, k] if moves[k] == 0.0 else np.nan
 
 
-@reordered
+@compiled
 def fill_sums(
     basis: Array, order: NDArray[np.intp], starts: NDArray[np.intp], left: Array, own: NDArray[np.intp], gram: Array,
     sums: Array,
@@ -384,14 +384,12 @@ def fill_sums(
     own : ndarray, shape (u,)
         Fits whose squares are wanted.
     gram, sums : ndarray, shapes (u, R, p, p), (s, R, p)
-        Out.
+        In zeros, out.
     """
     n, p = basis.shape[1:]
     for s in range(len(basis)):
         for cluster in range(starts.shape[1]):
             stop, total = starts[s, cluster + 1] if cluster + 1 < starts.shape[1] else n, sums[s, cluster]
-            for j in range(p):
-                total[j] = 0.0
             for i in range(starts[s, cluster], stop):
                 row, size = basis[s, order[s, i]], left[s, order[s, i]]
                 for j in range(p):
@@ -400,9 +398,6 @@ def fill_sums(
         s = own[u]
         for cluster in range(starts.shape[1]):
             stop, square = starts[s, cluster + 1] if cluster + 1 < starts.shape[1] else n, gram[u, cluster]
-            for a in range(p):
-                for b in range(p):
-                    square[a, b] = 0.0
             for i in range(starts[s, cluster], stop):
                 row = basis[s, order[s, i]]
                 for a in range(p):
@@ -410,7 +405,7 @@ def fill_sums(
                         square[a, b] += row[a] * row[b]
 
 
-@reordered
+@compiled
 def _multiply(matrix: Array, columns: Array, out: Array) -> None:
     for a in range(len(out)):
         row = out[a]
@@ -422,7 +417,7 @@ def _multiply(matrix: Array, columns: Array, out: Array) -> None:
                 row[k] += entry * other[k]
 
 
-@reordered
+@compiled
 def fill_dof(gram: Array, adjust: Array, along: Array, dof: Array) -> None:
     """Fill trace squared over that of the square of ``B``, and its trace: `clustered._satterthwaite`.
 
@@ -433,19 +428,13 @@ def fill_dof(gram: Array, adjust: Array, along: Array, dof: Array) -> None:
     along : ndarray, shape (s, p, m)
         Combinations of the basis.
     dof : ndarray, shape (s, 2, m)
-        Out.
+        In zeros, out.
     """
     count, p, m = along.shape
-    moved, seen, whole = np.empty((p, m)), np.empty((p, m)), np.empty((p, p, m))
+    moved, seen = np.empty((p, m)), np.empty((p, m))
     own, size = np.empty(m), np.empty(m)
     for s in range(count):
-        trace, square = dof[s, 1], dof[s, 0]
-        for k in range(m):
-            trace[k], square[k] = 0.0, 0.0
-        for a in range(p):
-            for b in range(p):
-                for k in range(m):
-                    whole[a, b, k] = 0.0
+        trace, square, whole = dof[s, 1], dof[s, 0], np.zeros((p, p, m))
         for cluster in range(gram.shape[1]):
             _multiply(adjust[s, cluster], along[s], moved)
             _multiply(gram[s, cluster], moved, seen)
@@ -471,7 +460,7 @@ def fill_dof(gram: Array, adjust: Array, along: Array, dof: Array) -> None:
             square[k] = trace[k] * trace[k] / square[k]
 
 
-@reordered
+@compiled
 def fill_fits(
     basis: Array, transform: Array, of: NDArray[np.intp], readings: Array, coefficients: Array, residuals: Array
 ) -> None:
@@ -501,7 +490,7 @@ def fill_fits(
             coefficients[s, a] = total
 
 
-@reordered
+@compiled
 def _along(basis: Array, x: Array, along: Array) -> None:
     """Fill the parts of readings along the columns of a basis, shape (n, p)."""
     for j in range(len(along)):
@@ -512,7 +501,7 @@ def _along(basis: Array, x: Array, along: Array) -> None:
             along[j] += row[j] * value
 
 
-@reordered
+@compiled
 def _less(basis: Array, x: Array, along: Array, left: Array) -> None:
     """Fill readings less parts along the columns of a basis, shape (n, p)."""
     for i in range(len(x)):
@@ -522,7 +511,7 @@ def _less(basis: Array, x: Array, along: Array, left: Array) -> None:
         left[i] = value
 
 
-@reordered
+@compiled
 def fill_wider(
     basis: Array, transform: Array, of: NDArray[np.intp], columns: Array, wide: Array, turned: Array
 ) -> float:

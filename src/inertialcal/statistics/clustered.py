@@ -152,8 +152,8 @@ def clustered_each(
     order, starts = (np.array(column) for column in zip(*members, strict=True))
     roots = np.array([one.residuals if one.weights is None else one.residuals * np.sqrt(one.weights) for one in fits])
     basis = np.array([one.basis for one in fits])
-    sums = np.empty((*starts.shape, basis.shape[2]))
-    gram = np.empty((len(own), *sums.shape[1:], basis.shape[2]))
+    sums = np.zeros((*starts.shape, basis.shape[2]))
+    gram = np.zeros((len(own), *sums.shape[1:], basis.shape[2]))
     fill_sums(basis, order, starts, roots, np.array(own), gram, sums)
     adjust = _inverse_root(gram.reshape(-1, *gram.shape[2:])).reshape(gram.shape)
     if len(own) < len(fits):
@@ -236,6 +236,6 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     size = np.max(np.abs(to_contrast), axis=2, initial=0.0, keepdims=True)
     to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
     along = np.ascontiguousarray(to_contrast.swapaxes(1, 2))
-    found = np.empty((len(along), 2, along.shape[2]))
+    found = np.zeros((len(along), 2, along.shape[2]))
     fill_dof(gram, adjust, along, found)
     return np.where(found[:, 1] > (1.0 - UNRESOLVED) * np.sum(to_contrast**2, axis=2), found[:, 0], 0.0)

@@ -135,7 +135,7 @@ def test_errors_of_what_is_held_out_are_those_of_fits_to_the_rest(run: Any) -> N
     columns, weight = rng.normal(size=(2, 40, p + k)), rng.uniform(0.5, 1.0, (2, 40))
     number = rng.integers(0, 4, (2, 40))
     columns[1, number[1] != 2, 3] = 0.0  # one group alone tells of it
-    moments, errors, told = np.empty((2, 4, 7, 7)), np.full((2, 2, 3, k), np.nan), np.empty((2, 2))
+    moments, errors, told = np.zeros((2, 4, 7, 7)), np.full((2, 2, 3, k), np.nan), np.empty((2, 2))
     run.fill_errors(columns, weight, number, held, moments, errors, told)
     assert np.isinf(told).tolist() == [[False, False], [False, True]]
     assert np.isnan(errors[1, 1]).all()

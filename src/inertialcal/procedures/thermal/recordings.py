@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -197,12 +198,12 @@ class Readings:
         """Return the number of samples."""
         return sum(len(one) for one in self.sweeps)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[str, ...]:
         """Axes that were read, in order."""
         return tuple(axis for axis in AXES if any(axis in one.outputs for one in self.sweeps))
 
-    @property
+    @cached_property
     def labels(self) -> tuple[str, ...]:
         """Labels of the runs, in the order of their first recording."""
         return tuple(dict.fromkeys(one.run for one in self.sweeps))

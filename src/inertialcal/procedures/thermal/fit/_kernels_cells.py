@@ -203,7 +203,7 @@ def fill_roots(squares: Array, roots: Array) -> None:
                 root[j, i] = -total / factor[j, j]
 
 
-@reordered
+@compiled
 def fill_errors(
     columns: Array, weight: Array, number: NDArray[np.int64], held: NDArray[np.int64], moments: Array, errors: Array,
     told: Array,
@@ -219,38 +219,28 @@ def fill_errors(
     held : ndarray, shape (h,)
         Groups that are held out, each in turn.
     moments : ndarray, shape (u, g, p + k, p + k)
-        Out: sums of products of columns in each group.
+        In zeros, out: sums of products of columns in each group.
     errors : ndarray, shape (u, h, q, k)
         Out: of fits of all but the last ``q - 1`` columns, of one more, up to all p.
     told : ndarray, shape (u, h)
         Out: how little the columns look alike, as the squares of the inverse of the Cholesky factor of their products,
         each of unit length; infinite where there is none, and the errors are not filled.
     """
-    k, orders = errors.shape[3], errors.shape[2]
-    width, groups = columns.shape[2], moments.shape[1]
+    k, orders, width = errors.shape[3], errors.shape[2], columns.shape[2]
     p = width - k
-    total, square, root = np.empty((width, width)), np.empty((1, p, p)), np.empty((1, p, p))
-    size, fit, moved = np.empty(p), np.empty((k, p)), np.empty((p, k))
+    square, root = np.empty((1, p, p)), np.empty((1, p, p))
+    size = np.empty(p)
     for u in range(len(columns)):
-        for g in range(groups):
-            for a in range(width):
-                for b in range(width):
-                    moments[u, g, a, b] = 0.0
+        total = np.zeros((width, width))
         for i in range(columns.shape[1]):
             row, own = columns[u, i], moments[u, number[u, i]]
             for a in range(width):
-                part, share = own[a], weight[u, i] * row[a]
+                share = weight[u, i] * row[a]
                 for b in range(width):
-                    part[b] += share * row[b]
-        for a in range(width):
-            for b in range(width):
-                whole = 0.0
-                for g in range(groups):
-                    whole += moments[u, g, a, b]
-                total[a, b] = whole
+                    own[a, b] += share * row[b]
+                    total[a, b] += share * row[b]
         for h in range(len(held)):
-            own = moments[u, held[h]]
-            told[u, h] = 0.0
+            own, unlike = moments[u, held[h]], 0.0
             for a in range(p):
                 left = total[a, a] - own[a, a]
                 size[a] = np.sqrt(left) if left > LOST * total[a, a] else np.inf
@@ -260,19 +250,18 @@ def fill_errors(
             fill_roots(square, root)
             for a in range(p):
                 for b in range(a + 1):
-                    told[u, h] += root[0, a, b] * root[0, a, b]
-            if not told[u, h] < np.inf:
+                    unlike += root[0, a, b] * root[0, a, b]
+            told[u, h] = unlike
+            if not unlike < np.inf:
                 continue
-            for a in range(p):
-                for j in range(k):
-                    along = 0.0
-                    for b in range(a + 1):
-                        along += root[0, a, b] * (total[b, p + j] - own[b, p + j]) / size[b]
-                    moved[a, j], fit[j, a] = along, 0.0
+            fit = np.zeros((k, p))
             for last in range(p):
                 for j in range(k):
+                    along = 0.0
+                    for b in range(last + 1):
+                        along += root[0, last, b] * (total[b, p + j] - own[b, p + j]) / size[b]
                     for a in range(last + 1):
-                        fit[j, a] += root[0, last, a] * moved[last, j] / size[a]
+                        fit[j, a] += root[0, last, a] * along / size[a]
                     order = last + orders - p
                     if order >= 0:
                         error = own[p + j, p + j]
@@ -284,7 +273,7 @@ def fill_errors(
                         errors[u, h, order, j] = error
 
 
-@reordered
+@compiled
 def fill_designs(at: Array, spread: Array, path: Array, root: Array, order: int, path_order: int, out: Array) -> None:
     """Fill what cells see of P and D: Chebyshev polynomials, mean over the spread of each cell to second order.
 

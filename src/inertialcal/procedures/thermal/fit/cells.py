@@ -115,7 +115,7 @@ class Series:
 
         return self.short and self.reading is self.together.get(self.axis) and self.once("complete", found)
 
-    @property
+    @cached_property
     def short(self) -> bool:
         """Whether what is found of times and temperatures is kept: not of a long record."""
         return len(self.temperature) <= near()

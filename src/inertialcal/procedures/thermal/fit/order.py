@@ -144,7 +144,7 @@ def _scores(cells: Sequence[Cells], largest: int) -> list[tuple[HeldOut, Array, 
         columns = columns - of @ ((own @ columns) / own.sum(axis=2, keepdims=True))
     held = np.arange(1, each - 1) if first.held_out == "blocks" and each > BLOCKS else np.arange(each)
     k, width = len(cells[0].beside), columns.shape[2]
-    moments, told = np.empty((len(cells), each, width, width)), np.empty((len(cells), len(held)))
+    moments, told = np.zeros((len(cells), each, width, width)), np.empty((len(cells), len(held)))
     errors = np.empty((*told.shape, largest + 1, k))
     fill_errors(columns, weight, number, held, moments, errors, told)
     for u, h in zip(*np.nonzero(~((width - k) * told < SAFE)), strict=True):  # bounds the ratio of the eigenvalues
