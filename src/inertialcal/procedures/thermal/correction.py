@@ -247,12 +247,12 @@ def sources_of_laws(results: Sequence[Result]) -> list[Known | DataError]:
         if one.estimate is None or not keys:
             found.append((None, []))
             continue
-        standards, grid = one.plan.standards, (at[:, None], at)
+        standards, grid = one.plan.standards, at[:, None] * len(one.estimate.keys) + at
         left = [standards[name].origin(words) for name, words in IN_BOTH.items() if name in standards]
         parts = []
         for part in one.estimate.components:
-            covariance = part.covariance[grid]
-            if part.given not in left and (covariance.diagonal() > 0.0).any():
+            covariance = part.covariance.take(grid)
+            if part.given not in left and covariance.diagonal().any():
                 dof = part.dof if isinstance(part.dof, float) else part.dof[at]
                 changes = None if part.changes is None else part.changes[:, at]
                 parts.append(part.changed(covariance=covariance, dof=dof, changes=changes))

@@ -73,7 +73,7 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     for at, start, stop, way in zip(turns, starts, ends, ways, strict=True):
         own, warm = path[start:stop], temperature[start:stop]
         for first, last in batches(own, warm, size=near()):
-            fill_path(np.asarray(warm[first:last], dtype=np.float64), level[at], way, reversal, own[first:last])
+            fill_path(np.array(warm[first:last], dtype=np.float64), level[at], way, reversal, own[first:last])
     return Ramps(path, tuple(starts), tuple(ways))
 
 

@@ -121,7 +121,7 @@ def _still_part(series: Series, run: int) -> Indices:
     """Return the same by the temperature alone."""
     if series.short:
         parts = series.of_run(run)
-        time, temperature = (_row(one, parts) for one in (series.time, series.temperature))
+        temperature, time = (_row(one, parts) for one in series.columns[:2])
         known = np.empty(len(time), dtype=np.int64)
         count = count_still(time, temperature, STILL * series.turn_over, NOISE, known)
         if count >= 0:
@@ -151,8 +151,7 @@ def _still_part(series: Series, run: int) -> Indices:
 
 def _row(x: Array, parts: Sequence[slice]) -> Array:
     """Return some parts of a row end to end, shape (n,): one alone is not copied."""
-    own = x[parts[0]] if len(parts) == 1 else np.concatenate([x[one] for one in parts])
-    return np.ascontiguousarray(own, dtype=np.float64)
+    return x[parts[0]] if len(parts) == 1 else np.concatenate([x[one] for one in parts])
 
 
 def _numbered(parts: Sequence[slice]) -> Indices:
