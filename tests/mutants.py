@@ -708,8 +708,8 @@ MUTANTS = (
     ),
     Mutant(
         "_kernels_levels.py",
-        "variance[block], different[block] = squares / (size - 1), unequal",
-        "variance[block], different[block] = squares / size, unequal",
+        "different[block] = mean, squares / (size - 1), unequal",
+        "different[block] = mean, squares / size, unequal",
         "test_noise_scale test_kernels_levels",
     ),
     Mutant(

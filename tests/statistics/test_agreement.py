@@ -1,9 +1,12 @@
 """Which values disagree with the others: false alarms, power, and what nobody can tell."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from inertialcal.statistics.agreement import disagreeing
+from inertialcal.statistics import _kernels_levels as kernels
+from inertialcal.statistics.agreement import MANY, disagreeing, repeated_median_lines
 
 CAMPAIGNS = 400
 
@@ -65,3 +68,47 @@ def test_equal_values_and_missing_ones() -> None:
     assert disagreeing([2.0, 2.0, 2.0, 2.1, np.nan]).tolist() == [False, False, False, True, False]
     assert not disagreeing([np.nan, 1.0]).any()
     assert not disagreeing([]).any()
+
+
+def directly(x: Any, y: Any) -> tuple[float, float]:
+    """Repeated medians as they are defined."""
+    middles = []
+    for i in range(len(x)):
+        slopes = [(y[i] - y[j]) / (x[i] - x[j]) for j in range(len(x)) if x[i] != x[j]]
+        middles += [np.median(slopes)] if slopes else []
+    slope = float(np.median(middles)) if middles else np.nan
+    return slope, float(np.median(y - slope * x)) if middles else np.nan
+
+
+@pytest.mark.parametrize("places", ["apart", "shared"])
+@pytest.mark.parametrize("n", [2, 3, 8, 13])
+def test_repeated_medians_side_by_side(n: int, places: str) -> None:
+    rng = np.random.default_rng(n)
+    x, y = rng.normal(size=(5, 1, n)), rng.normal(size=(2, 5, 8, n))
+    if places == "shared":
+        x = np.round(x)
+        x[1], y[0, 2] = 1.0, np.round(y[0, 2])
+    assert y[..., 0].size > MANY
+    expected = [[[directly(x[i, 0], line) for line in lines] for i, lines in enumerate(unit)] for unit in y]
+    every = repeated_median_lines(x, y)
+    np.testing.assert_allclose(np.stack(every, axis=-1), expected, rtol=1e-12)
+    for u, unit in enumerate(y):  # few, by themselves
+        for i, lines in enumerate(unit):
+            for one, all_of_them in zip(repeated_median_lines(x[i], lines), every, strict=True):
+                np.testing.assert_array_equal(one, all_of_them[u, i])
+    slope, level = np.empty((2, y[..., 0].size))
+    columns = [np.ascontiguousarray(np.broadcast_to(own, y.shape).reshape(-1, n).T) for own in (x, y)]
+    plain: Any = kernels.fill_lines
+    plain.py_func(*columns, slope, level)
+    np.testing.assert_array_equal(np.stack((slope, level)), [own.ravel() for own in every])
+
+
+def test_numbers_in_order_by_exchanges_without_the_compiler() -> None:
+    rows = np.random.default_rng(1).normal(size=(11, 6)).round(1)
+    expected, inner = np.sort(rows, axis=0), [getattr(kernels, name) for name in ("_put_in_order", "_exchange")]
+    inner[0].py_func(rows)
+    np.testing.assert_array_equal(rows, expected)
+    low, high = np.array([2.0, 1.0]), np.array([1.0, 2.0])
+    inner[1].py_func(low, high)
+    assert low.tolist() == [1.0, 1.0]
+    assert high.tolist() == [2.0, 2.0]

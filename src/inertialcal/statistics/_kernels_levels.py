@@ -1,4 +1,9 @@
-"""Kernels: fits of few readings with a scatter between them (``two_levels``); inverses and roots of small matrices."""
+"""Kernels: fits of few readings with a scatter between them (``two_levels``), and medians; roots of small matrices.
+
+References
+----------
+.. [1] D. E. Knuth, The Art of Computer Programming, vol. 3, 2nd ed., 1998, 5.2.2, algorithm M: merge exchange.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +16,7 @@ from ._kernels import compiled, reordered
 ITERATIONS = 50
 SETTLED = 1e-6  # relative change of tau^2
 NARROW = 200  # halvings of an interval, at most
-LANES = 64  # matrices whose roots are found side by side
+LANES = 64  # matrices whose roots are found, or lines, side by side
 STEPS, CONVERGED = 16, 1e-9  # of an iteration that doubles its digits; what the last step may be
 
 
@@ -559,3 +564,80 @@ def fill_wider(
             turned[s, a, p], turned[s, p, a] = -total / size, 0.0
         turned[s, p, p] = 1.0 / size
     return least
+
+
+# Repeated medians of lines side by side
+
+
+@compiled
+def _exchange(low: Array, high: Array) -> None:
+    """Put the lesser of two numbers of each line first."""
+    for k in range(len(low)):
+        a, b = low[k], high[k]
+        low[k], high[k] = (a if a < b else b), (b if a < b else a)
+
+
+@compiled
+def _put_in_order(rows: Array) -> None:
+    """Put the numbers of each column in order, none of them NaN [1]_."""
+    n, top = len(rows), 1
+    while 2 * top < n:
+        top *= 2
+    p = top
+    while p > 0:
+        q, r, d = top, 0, p
+        while True:
+            for i in range(n - d):
+                if i & p == r:
+                    _exchange(rows[i], rows[i + d])
+            if q == p:
+                break
+            d, q, r = q - p, q // 2, p
+        p //= 2
+
+
+@compiled
+def _fill_medians(rows: Array, out: Array) -> None:
+    """Fill the median of each column, whose numbers are put in order; inf is none, and of nothing NaN."""
+    _put_in_order(rows)
+    for k in range(rows.shape[1]):
+        known = len(rows)
+        while known > 0 and rows[known - 1, k] == np.inf:
+            known -= 1
+        out[k] = 0.5 * (rows[(known - 1) // 2, k] + rows[known // 2, k]) if known > 0 else np.nan
+
+
+@compiled
+def fill_lines(x: Array, y: Array, slope: Array, level: Array) -> None:
+    """Fill slope and level of the repeated medians of lines through points that are all known: (n, lines) each.
+
+    Two points at one place have no slope; NaN where all are there.
+    """
+    n, lines = x.shape
+    room, middle = np.empty((n, LANES)), np.empty((n, LANES))
+    for start in range(0, lines, LANES):
+        many = min(LANES, lines - start)
+        own = slice(start, start + many)
+        for i in range(n):
+            x_here, y_here, to = x[i, own], y[i, own], 0
+            for j in range(n):
+                if j == i:
+                    continue
+                x_there, y_there, out = x[j, own], y[j, own], room[to]
+                for k in range(many):
+                    apart = x_here[k] - x_there[k]
+                    rise = (y_here[k] - y_there[k]) / (apart if apart != 0.0 else 1.0)
+                    out[k] = rise if apart != 0.0 else np.inf
+                to += 1
+            _fill_medians(room[: n - 1, :many], middle[i, :many])
+            for k in range(many):
+                middle[i, k] = middle[i, k] if middle[i, k] == middle[i, k] else np.inf
+        _fill_medians(middle[:, :many], slope[own])
+        for i in range(n):
+            for k in range(many):
+                room[i, k] = y[i, start + k] - slope[start + k] * x[i, start + k]
+        for k in range(many):
+            if not np.isfinite(slope[start + k]):
+                for i in range(n):
+                    room[i, k] = np.inf
+        _fill_medians(room[:, :many], level[own])

@@ -34,6 +34,7 @@ from ..core.estimate import Array
 FALSE_ALARM = 0.003  # chance that anything of a sound test is said to disagree
 NORMAL = 1.482602218505602  # standard deviation of normal values over their median absolute deviation
 EFFICIENCY = 0.37  # of the median absolute deviation, as an estimate of a standard deviation
+FEW, MANY = 64, 32  # points of lines, and lines, that loops find side by side
 MOST = 400  # points of a repeated median; of more, every k-th
 
 
@@ -166,6 +167,14 @@ def repeated_median_lines(x: Array, y: Array) -> tuple[Array, Array]:
         Points, those with a NaN left out.
     """
     known, n = np.isfinite(x) & np.isfinite(y), x.shape[-1]
+    if 1 < n <= FEW and known.size >= n * MANY and known.all():
+        from ._kernels_levels import fill_lines  # noqa: PLC0415 - numba starts slowly
+
+        shape = known.shape[:-1]
+        places, values = (np.ascontiguousarray(np.broadcast_to(one, known.shape).reshape(-1, n).T) for one in (x, y))
+        slope, level = np.empty((2, places.shape[1]))
+        fill_lines(places, values, slope, level)
+        return slope.reshape(shape), level.reshape(shape)
     if n > 1 and known.all():  # each with all others, and no two at one place
         others = np.arange(n - 1) + (np.arange(n - 1) >= np.arange(n)[:, None])
         apart = x[..., None] - x[..., others]

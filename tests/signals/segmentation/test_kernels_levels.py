@@ -219,9 +219,19 @@ def test_noise_alone_is_still(run: Any, disturbed: str, still: bool) -> None:
     assert bool(run.is_still(x, 8, 4, (0.5, 0.25, 0.7, 2.0), 10, 7.0, 6, 40, 4.0)) is still
 
 
+@pytest.mark.parametrize("n", [7, 16, 403])
+def test_no_loud_window_by_blocks_is_none_by_windows(run: Any, n: int) -> None:
+    x, w, size = noise(n), 5, 8
+    blocks = x[: n // size * size].reshape(-1, size)
+    of_blocks = blocks.mean(axis=1), blocks.var(axis=1, ddof=1)
+    most = max(x[i : i + w].var() * w for i in range(n - w + 1))
+    for limit in (0.9 * most, 0.999 * most, 1.001 * most, 10.0 * most):
+        assert bool(run._none_loud(x, x.mean(), *of_blocks, size, w, limit)) == (limit > most)
+
+
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_of_eight", "_of_rank",
-                             "_quiet_variance", "_square", "_sums",
+    assert sorted(NAMES) == ["_add", "_far_apart", "_fill_spreads", "_filled", "_least_step", "_none_above",
+                             "_none_loud", "_of_eight", "_of_rank", "_quiet_variance", "_square", "_sums",
                              "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far",
                              "fill_jumps", "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "is_still",
                              "margin", "sum_of"]  # fmt: skip

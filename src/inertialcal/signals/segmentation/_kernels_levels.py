@@ -19,6 +19,7 @@ Indices = NDArray[np.int64]
 
 SCANNED = 128  # places looked at together: few hold any
 LOUD = 4096  # samples that windows move over at a time
+COUNTED = 1024  # samples whose differences of means are counted at a time: with both sums they lie in the nearest cache
 EIGHT = 8  # samples of a block whose loops are written out
 DRAWN, NEAR_RANK = 128, 14  # numbers that tell about where a rank lies, and how far off in them it may lie
 ROUNDED = 1.0 + 1e-9  # more than sums may differ by rounding
@@ -52,7 +53,7 @@ def count_above(x: Array, limits: Array, counts: Indices) -> None:
     More than the limit of that w. Sums of 2 w samples are those of two sums of w: one look at ``x`` gives all.
     """
     widest = 1 << (len(limits) - 1)
-    batch = max(LOUD, 8 * widest)
+    batch = max(COUNTED, 8 * widest)
     room, more = np.empty(batch + 2 * widest), np.empty(batch + 2 * widest)
     for begin in range(0, len(x), batch):
         there = min(len(room), len(x) - begin)
@@ -276,6 +277,36 @@ def _none_above(x: Array, level: float, w: int, limit: float) -> bool:
 
 
 @compiled
+def _none_loud(x: Array, middle: float, level: Array, variance: Array, size: int, w: int, limit: float) -> bool:
+    """Return whether no w samples scatter more: they lie in a few neighbouring blocks, looked at where these do.
+
+    ``middle``: of all; ``level``, ``variance`` (size - 1): of the blocks of so many; samples behind them are one more.
+    """
+    n, many = len(x), len(level)
+    around = (w - 2) // size + 2  # blocks that w samples lie in, at most
+    squares, total, above = np.zeros(many + around), np.zeros(many + 1), 0
+    for b in range(many):
+        away = level[b] - middle
+        squares[b] = (size - 1) * variance[b] + size * (away * away)
+    for i in range(many * size, n):
+        squares[many] += (x[i] - middle) ** 2
+    for k in range(around):
+        _add(total, squares[k:], total)
+    for b in range(many + 1):
+        above += not total[b] * ROUNDED <= limit
+    for b in range(many + 1 if above > 0 else 0):
+        if total[b] * ROUNDED <= limit:
+            continue
+        for first in range(b * size, min((b + around) * size, n) - w + 1):
+            mean, own = sum_of(x[first : first + w]) / w, 0.0
+            for i in range(first, first + w):
+                own += (x[i] - mean) ** 2
+            if not own * ROUNDED <= limit:
+                return False
+    return True
+
+
+@compiled
 def sum_of(x: Array) -> float:
     """Return the sum of samples, four at a time."""
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
@@ -309,17 +340,17 @@ def fill_sums(x: Array, w: int, one: Array, other: Array, out: Array) -> None:
 @compiled
 def _of_eight(
     a: float, b: float, c: float, d: float, e: float, f: float, g: float, h: float
-) -> tuple[float, int]:  # fmt: skip
-    """Return the variance of eight numbers, and how many differ from the one before: no sum waits for the others."""
+) -> tuple[float, float, int]:  # fmt: skip
+    """Return mean and variance of eight numbers, and how many differ from the one before: no sum waits for others."""
     unequal = int(b != a) + int(c != b) + int(d != c) + int(e != d) + int(f != e) + int(g != f) + int(h != g)
     level = 0.125 * (((a + b) + (c + d)) + ((e + f) + (g + h)))
     a, b, c, d, e, f, g, h = a - level, b - level, c - level, d - level, e - level, f - level, g - level, h - level
-    return (((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))) / 7.0, unequal
+    return level, (((a * a + b * b) + (c * c + d * d)) + ((e * e + f * f) + (g * g + h * h))) / 7.0, unequal
 
 
 @compiled
-def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
-    """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
+def _least_step(y: Array) -> float:
+    """Return the least difference of neighbours that are not equal; 0 of none."""
     step = np.inf
     for first in range(0, len(y) - 1, SCANNED):
         here = y[first : min(first + SCANNED, len(y) - 1)]
@@ -332,21 +363,33 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
                 difference = abs(after[i] - here[i])
                 if difference > 0.0:
                     step = min(step, difference)
+    return step if np.isfinite(step) else 0.0
+
+
+@compiled
+def _fill_spreads(y: Array, size: int, level: Array, variance: Array, different: Indices) -> None:
+    """Fill mean, variance (size - 1) and number of unequal neighbours of each block."""
     for block in range(len(variance)):
         x = y[block * size : (block + 1) * size]
         if size == EIGHT:
-            variance[block], different[block] = _of_eight(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
+            level[block], variance[block], different[block] = _of_eight(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
             continue
-        level, squares, unequal = 0.0, 0.0, 0
+        mean, squares, unequal = 0.0, 0.0, 0
         for i in range(size):
-            level += x[i]
-        level /= size
+            mean += x[i]
+        mean /= size
         for i in range(size):
-            squares += (x[i] - level) ** 2
+            squares += (x[i] - mean) ** 2
         for i in range(1, size):
             unequal += x[i] != x[i - 1]
-        variance[block], different[block] = squares / (size - 1), unequal
-    return step if np.isfinite(step) else 0.0
+        level[block], variance[block], different[block] = mean, squares / (size - 1), unequal
+
+
+@compiled
+def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
+    """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
+    _fill_spreads(y, size, np.empty(len(variance)), variance, different)
+    return _least_step(y)
 
 
 @compiled
@@ -399,16 +442,22 @@ def is_still(
     as can be; ``loud``: the same for the variance of ``w`` samples. True also where codes hide the noise, so that
     nothing can be told; never where a sample is missing.
     """
-    if not np.isfinite(sum_of(x)):
+    many = len(x) // size
+    level, variance, different = np.empty(many), np.empty(many), np.empty(many, dtype=np.int64)
+    _fill_spreads(x, size, level, variance, different)
+    middle = (size * sum_of(level) + sum_of(x[size * many :])) / len(x)
+    if not np.isfinite(middle):
         return False
-    variance, different = np.empty(len(x) // size), np.empty(len(x) // size, dtype=np.int64)
-    step = fill_blocks(x, size, variance, different)
-    living = variance[different >= alive]
-    if len(living) < max(2.0, most[0] * len(variance)):
+    living, many = np.empty(len(variance)), 0
+    for i in range(len(variance)):
+        living[many] = variance[i]
+        many += different[i] >= alive
+    living = living[:many]
+    if many < max(2.0, most[0] * len(variance)):
         return True
     pooled = _quiet_variance(living, most[1], most[2], most[3], rounds)
     scale = np.sqrt(pooled)
-    if scale < 0.5 * step:
+    if scale < 0.5 * _least_step(x):
         return True
     at = np.empty(1, dtype=np.int64)
     if fill_far(x, np.sqrt(1.5) * away * scale, at) > 0:
@@ -419,7 +468,10 @@ def is_still(
         width *= 2
     counts = np.zeros(widest, dtype=np.int64)
     count_above(x, limits, counts)
-    return counts.sum() == 0 and fill_loud(x, np.array([0, len(x)]), w, loud * pooled, at) == 0
+    return counts.sum() == 0 and (
+        _none_loud(x, middle, level, variance, size, w, (w - 1) * (loud * pooled))
+        or fill_loud(x, np.array([0, len(x)]), w, loud * pooled, at) == 0
+    )
 
 
 @compiled

@@ -225,7 +225,7 @@ def _alike(design: LineDesign, plain: Decomposed, units: Sequence[Readings]) -> 
     for i, weight in enumerate(weights):
         if weight is not None:
             solved[i] = _solved(design, [units[i]], y[[i]], weight)[0]
-    own = np.array([np.sum(solved[i][0].local ** 2) for i in range(len(units))])
+    own = np.sum(np.array([solved[i][0].local for i in range(len(units))]) ** 2, axis=1)
     levels = _dwell_and_run_levels(design, fitted, [solved[i][0] for i in range(len(units))], own)
     made = []
     for i, (one, sample) in enumerate(zip(units, _sample_levels(units, sensor), strict=True)):
@@ -367,12 +367,14 @@ def _without_earth(design: LineDesign, plain: Decomposed, units: Sequence[Readin
     earth = [one.earth for one in units if one.earth is not None]
     if len(earth) < len(units):  # all have it, or none
         return y
-    stacked = np.stack(earth)
     row = np.tile((np.array(AXES) == sensor).astype(float), (len(units), 1))
     at = [AXES.index(axis) for axis in design.turned.axes]
+    alike = all(one is earth[0] for one in earth)
+    stacked = earth[0] if alike else np.stack(earth)
+    read = times(plain.transform, times(plain.basis.T, y))  # coefficients of readings, and of the earth's rotation
+    turned = plain.transform @ (plain.basis.T @ stacked)
     for _ in range(EARTH_PASSES):  # each gains two digits: the row is known to a percent before the first
-        coefficients = times(plain.transform, times(plain.basis.T, y - times(stacked, row)))
-        row[:, at] = coefficients[:, 1 : 1 + len(at)]
+        row[:, at] = (read - times(turned, row))[:, 1 : 1 + len(at)]
     return np.asarray(y - times(stacked, row))
 
 
