@@ -175,12 +175,6 @@ def repeated_median_lines(x: Array, y: Array) -> tuple[Array, Array]:
         slope, level = np.empty((2, places.shape[1]))
         fill_lines(places, values, slope, level)
         return slope.reshape(shape), level.reshape(shape)
-    if n > 1 and known.all():  # each with all others, and no two at one place
-        others = np.arange(n - 1) + (np.arange(n - 1) >= np.arange(n)[:, None])
-        apart = x[..., None] - x[..., others]
-        if (apart != 0.0).all():
-            slope = medians(medians((y[..., None] - y[..., others]) / apart))
-            return slope, medians(y - slope[..., None] * x)
     run, rise = (values[..., :, None] - values[..., None, :] for values in (x, y))
     shape = np.broadcast_shapes(run.shape, rise.shape)
     slopes = np.divide(rise, run, out=np.full(shape, np.nan), where=run != 0.0)
