@@ -68,6 +68,8 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def again(*args: P.args, **kwargs: P.kwargs) -> R:
+        if _room_of(args) > _longest.get():
+            return _read_only(function(*args, **kwargs))
         parts = _parts((args, kwargs))
         arrays = [one for one in parts if isinstance(one, np.ndarray)]
         long = sum(one.nbytes for one in arrays) > _longest.get()
@@ -128,6 +130,16 @@ def _content(x: NDArray[Any]) -> NDArray[Any]:
     if x.dtype.itemsize != lanes.itemsize or not x.flags.aligned or len(x) < SHORT:
         return x
     return lanes if loops_for(len(x)).fill_mixed(x.view(np.uint64), lanes) else x
+
+
+def _room_of(args: tuple[object, ...]) -> int:
+    """Return the bytes of the arrays that are given one by one or in lists."""
+    total = 0
+    for one in args:
+        for part in one if type(one) is list else (one,):
+            if type(part) is np.ndarray:
+                total += part.nbytes
+    return total
 
 
 def _parts(given: object) -> list[object]:

@@ -33,7 +33,7 @@ CODES = 32_000.0  # of distances, so that they fit into 16 bits
 REACH = 3  # codes within which the distance of a sample is known
 BIN, LAST = 6, 63  # bits of the codes that are counted together, and the last of these
 COARSE = 8  # one sample in so many may lie near a rank
-RUN = 1024  # samples that are compared with those around at a time ...
+RUN = 256  # samples that are compared with those around at a time ...
 STEPS = 32  # ... and steps of the distance that they are looked for beyond
 FAR = 7.0  # scales that a glitch is off at least
 LANES = 64  # runs of samples that medians are taken of at a time
@@ -42,6 +42,10 @@ ROUNDED = 1.0 + 1e-9  # more than results may differ by rounding
 NEARLY = 1.0 + 1e-6  # more than a fit of some rounds may differ by it
 HALF_PLACE = 2.0**-53  # of a number: its last place is larger
 HUGE = 1e100  # numbers whose squares and sums are still far from the largest
+TINY = 1e-300  # numbers that have all their places
+LN2 = 0.6931471805599453  # ln 2
+PLACES = 52  # bits of a number before those of its power of two ...
+ROOT = 0x3FE6A09E667F3BCD  # ... and all bits of the root of 1/2
 
 
 @compiled
@@ -414,8 +418,10 @@ def may_step(sums: Array, widths: Indices, limits: Array, sampled: int) -> bool:
         within = bins[0] + bins[1] + bins[2] + bins[3]
         for i in range(4, len(bins)):
             within += bins[i]
-            if within > len(some) // 2:
-                return True
+            if within > len(some) // 2:  # which may be more than lie in the stretch: the scatter itself tells
+                if most * ROUNDED > limits[k] * _scatter(out, sampled):
+                    return True
+                break
             within -= bins[i - 4]
     return False
 
@@ -627,20 +633,15 @@ def resolved(rows: Array, times: float, off: float, most: float, converted: floa
     ``off``: of a step, beyond which a difference is no whole one, as ``most`` of all must be; ``times``: what a sample
     is multiplied by to be as stored, and ``converted``: units in the last place that this may have changed.
     """
-    least, many = np.full(4, np.inf), 0
+    least, many, size = np.full(rows.shape[1], np.inf), 0, rows.shape[1] - 1  # by place in the row
     for row in rows:
         after = row[1:]
-        one, two, three, four = least
-        for i in range(0, len(after) - 3, 4):
-            p, q = abs(after[i] - row[i]), abs(after[i + 1] - row[i + 1])
-            r, s = abs(after[i + 2] - row[i + 2]), abs(after[i + 3] - row[i + 3])
-            one, two = p if 0.0 < p < one else one, q if 0.0 < q < two else two
-            three, four = r if 0.0 < r < three else three, s if 0.0 < s < four else four
-            many += (p > 0.0) + (q > 0.0) + (r > 0.0) + (s > 0.0)
-        for i in range(len(after) // 4 * 4, len(after)):
-            p = abs(after[i] - row[i])
-            one, many = p if 0.0 < p < one else one, many + (p > 0.0)
-        least[0], least[1], least[2], least[3] = one, two, three, four
+        for i in range(size):
+            apart = abs(after[i] - row[i])
+            apart = apart if apart > 0.0 else np.inf
+            least[i] = apart if apart < least[i] else least[i]
+        for i in range(size):
+            many += abs(after[i] - row[i]) > 0.0
     step, odd = least.min(), 0
     for row in rows:
         for i in range(len(row) - 1):
@@ -676,6 +677,26 @@ def _scatter(x: Array, sampled: int) -> float:
 
 
 @compiled
+def _take_logs(x: Array) -> None:
+    """Put the natural logarithm, to some 1e-15, in the place of each number: many at a time; none is below ``TINY``.
+
+    Each is 2^k (1 + s) / (1 - s) with |s| < 0.172, of which a series gives the logarithm.
+    """
+    bits, rest, power = x.view(np.int64), np.empty(len(x), dtype=np.int64), np.empty(len(x))
+    for i in range(len(x)):
+        own = (bits[i] - ROOT) >> PLACES
+        rest[i], power[i] = bits[i] - (own << PLACES), np.float64(own)
+    part = rest.view(np.float64)
+    for i in range(len(x)):
+        s = (part[i] - 1.0) / (part[i] + 1.0)
+        t = s * s
+        total = 1.0 / 15.0 + t * (1.0 / 17.0 + t * (1.0 / 19.0))
+        total = 1.0 / 9.0 + t * (1.0 / 11.0 + t * (1.0 / 13.0 + t * total))
+        total = 1.0 + t * (1.0 / 3.0 + t * (1.0 / 5.0 + t * (1.0 / 7.0 + t * total)))
+        x[i] = power[i] * LN2 + 2.0 * s * total
+
+
+@compiled
 def may_differ(
     mean: Array, rough: Array, even: float, noise_limits: Array, widths: Indices, limits: Array, sampled: int
 ) -> bool:  # fmt: skip
@@ -686,10 +707,18 @@ def may_differ(
     b = len(mean)
     if not np.isfinite(rough).all() or not np.isfinite(mean).all():
         return True
-    middle = np.median(rough) if len(noise_limits) > 0 else 0.0
+    middle = rough.max() if len(noise_limits) > 0 else 0.0
+    lowest = max(1e-3 * middle, TINY)
+    if middle > 0.0 and rough.min() <= lowest:
+        middle = np.median(rough)
+        lowest = 1e-3 * middle
     sums = np.zeros(b + 1)
     if middle > 0.0:
-        y = np.log(np.maximum(rough, 1e-3 * middle))
+        y = np.maximum(rough, lowest)
+        if lowest >= TINY:
+            _take_logs(y)
+        else:
+            y = np.log(y)
         for i in range(b):
             sums[i + 1] = sums[i] + (y[i] - y[b // 2])
         narrow, k, spread = 4, 0, 0.0
