@@ -626,3 +626,24 @@ def test_resolution_is_the_same_in_a_loop_and_in_numpy(kind: str) -> None:
         for times in (1.0, 57.29577951308232):
             given = x / times, times, 0.05, 0.9, 4.0
             assert _kernels.resolved(*given) == Loops.resolved(*given)
+
+
+def test_logarithms_that_are_taken_side_by_side() -> None:
+    rng = np.random.default_rng(5)
+    root = np.nextafter(np.sqrt(0.5), [0.0, 1.0])
+    x = np.concatenate((10.0 ** rng.uniform(-299.0, 300.0, 1000), rng.uniform(0.1, 4.0, 1000), root, 2.0 * root, [1.0]))
+    found = x.copy()
+    _kernels._take_logs(found)
+    np.testing.assert_allclose(found, np.log(x), rtol=4e-16, atol=4e-16)
+
+
+def test_a_part_that_is_far_above_the_rest_has_its_logarithms_from_the_median() -> None:
+    rng = np.random.default_rng(6)
+    mean, rough = rng.normal(size=1250), rng.chisquare(15, 1250) / 15.0
+    none = np.empty(0, dtype=np.int64), np.empty(0)
+    limits = np.full(7, 8.0)
+    assert not _kernels.may_differ(mean, rough, 0.37, limits, *none, 2048)
+    rough[600:] *= 1e4
+    assert _kernels.may_differ(mean, rough, 0.37, limits, *none, 2048)
+    rough[:] = 0.0
+    assert not _kernels.may_differ(mean, rough, 0.37, limits, *none, 2048)

@@ -270,7 +270,7 @@ def test_no_jump_is_passed_over_unseen(kind: str, monkeypatch: pytest.MonkeyPatc
     seen = passed = 0
     for seed in range(1, 41):
         rng = np.random.default_rng(seed)
-        n = int(rng.integers(48, 2000))
+        n = int(rng.integers(48, 6000))
         x = rng.standard_normal((n, int(rng.integers(1, 4)))) * 10.0 ** rng.integers(-6, 6)
         sigma = float(x.std())
         if kind == "steps":

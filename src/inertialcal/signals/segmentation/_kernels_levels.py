@@ -228,7 +228,7 @@ def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int
         stop = min(begin + LOUD + w - 1, len(y))
         while begin >= cuts[piece + 1]:
             piece += 1
-        if stop <= cuts[piece + 1] and _none_above(y[begin:stop], levels[piece], w, limit, squared, doubled, again):
+        if stop <= cuts[piece + 1] and _none_above(y[begin:stop], levels[piece], w, limit):
             continue
         i, own = begin, piece
         while i < stop:
@@ -258,21 +258,22 @@ def _square(x: Array, out: Array) -> None:
 
 
 @compiled
-def _none_above(x: Array, level: float, w: int, limit: float, squares: Array, one: Array, other: Array) -> bool:
-    """Return whether no w samples scatter more about a level: all lie in some neighbouring blocks of four."""
-    whole, near, above = len(x) // 4, (w + 6) // 4, 0
-    many = whole + near
-    squares[whole:many] = 0.0
-    for i in range(whole):
-        a, b, c, d = x[4 * i] - level, x[4 * i + 1] - level, x[4 * i + 2] - level, x[4 * i + 3] - level
-        squares[i] = (a * a + b * b) + (c * c + d * d)
-    for i in range(4 * whole, len(x)):
-        squares[whole] += (x[i] - level) ** 2
-    total = np.empty(whole + 1)
-    fill_sums(squares[:many], near, one, other, total)
-    for i in range(len(total)):
-        above += not total[i] * ROUNDED <= limit
-    return above == 0
+def _none_above(x: Array, level: float, w: int, limit: float) -> bool:
+    """Return whether no w samples scatter more about a level: they lie in two neighbouring blocks of w samples."""
+    before, most = 0.0, 0.0
+    for first in range(0, len(x), w):
+        part = x[first : first + w]
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        fours = len(part) // 4
+        for i in range(fours):
+            e, f, g, h = part[4 * i] - level, part[4 * i + 1] - level, part[4 * i + 2] - level, part[4 * i + 3] - level
+            a, b, c, d = a + e * e, b + f * f, c + g * g, d + h * h
+        for i in range(4 * fours, len(part)):
+            a += (part[i] - level) ** 2
+        total = (a + b) + (c + d)
+        most = max(most, before + total)
+        before = total
+    return most * ROUNDED <= limit
 
 
 @compiled
