@@ -11,13 +11,10 @@ from ...statistics._kernels import compiled
 ROUNDED = 1e-9  # relative, more than means may differ by rounding
 SURE = 1e-6  # relative, more than what is judged may differ by rounding
 MAD = 1.4826  # standard deviation of normal noise over the median distance from its median
-TYPICAL = 0.8  # of the mean step of normal noise: its median step is 0.85 of it
+TYPICAL = 0.83  # of the mean step of normal noise: its median step is 0.85 of it
 FEW_BLOCKS = 8  # that changes of the noise are looked for in
 NEXT = 4  # blocks on each side of a change
-EIGHT = 8  # values whose mean is written out
-AT_ONCE = 64  # steps that the typical one is told from
-LONG, APART = 2048, 8  # means from which some of their steps, one in so many, tell the typical one
-LOOKED = 512  # steps that are counted together
+AT_ONCE = 64  # steps that are looked at together: few hold any that stands out
 ROOM = 1024  # steps that stand out: where there are more, only the search tells
 STRETCH = 8, 64, 2048  # samples of a line: fewest, those that tell the noise of shorter ones, and most
 
@@ -55,11 +52,7 @@ def _joined(columns: Array, size: int) -> Array:
     means = np.empty((channels, many))
     for channel in range(channels):
         x, out = columns[channel], means[channel]
-        for k in range(many if size == EIGHT else 0):
-            i = EIGHT * k
-            a, b, c, d = x[i] + x[i + 4], x[i + 1] + x[i + 5], x[i + 2] + x[i + 6], x[i + 3] + x[i + 7]
-            out[k] = 0.125 * ((a + b) + (c + d))
-        for k in range(many if size != EIGHT else 0):
+        for k in range(many):
             y, a, b = x[k * size : (k + 1) * size], 0.0, 0.0
             for i in range(0, size - 1, 2):
                 a, b = a + y[i], b + y[i + 1]
@@ -147,12 +140,7 @@ def _may_be_clear(columns: Array, at: int, block: int, rules: Array) -> bool:
             x = columns[channel, at:] if side else columns[channel, :at]
             means = np.empty(len(x) // block)
             for k in range(len(means)):
-                y, a, b, c, d = x[k * block : (k + 1) * block], 0.0, 0.0, 0.0, 0.0
-                for i in range(0, block - 3, 4):
-                    a, b, c, d = a + y[i], b + y[i + 1], c + y[i + 2], d + y[i + 3]
-                for i in range(block // 4 * 4, block):
-                    a += y[i]
-                means[k] = ((a + b) + (c + d)) / block
+                means[k] = np.mean(x[k * block : (k + 1) * block])
             level[side, channel] = np.median(means)
             u[side, channel] = 0.5 * MAD * np.median(np.abs(means - level[side, channel]))
         limit = (1.0 - SURE) * rules[3] * np.hypot(u[0, channel], u[1, channel])
@@ -232,86 +220,53 @@ def fill_standing_out(
     """
     channels, many = means.shape
     room, found = many - gap, 0
-    flags = np.zeros(LOOKED, dtype=np.bool_)
-    eights, first = flags.view(np.uint64), min(gap + around, room)
-    last = max(room - first, first)
+    step = np.empty(room)
     for channel in range(channels):
         x = means[channel]
-        typical = _typical_step(x, gap)
-        limit, below = least * typical * (1.0 - SURE), 2 * first  # of those near the ends all may be
-        now = found
-        for start in range(first, last, LOOKED):
-            size = min(LOOKED, last - start)
-            below += _flag_standing_out(x[start - gap - 1 :], size, gap, abrupt, limit, typical, flags)
-            for k in range(len(eights)):
-                if eights[k] == 0:
-                    continue
-                for i in range(start + EIGHT * k, min(start + EIGHT * (k + 1), start + size)):
-                    if _stands_out(x, i, gap, around, few, abrupt, limit):
-                        at[min(now, len(at) - 1)] = i
-                        now += 1
-        if below > (room - 1) // 2:  # it is larger than the median
-            typical = _median_step(x, gap)
-            limit, now = least * typical * (1.0 - SURE), found
-            for i in range(first, last):
-                if _stands_out(x, i, gap, around, few, abrupt, limit):
-                    at[min(now, len(at) - 1)] = i
-                    now += 1
-        for ends in ((0, first), (last, room)):
+        ahead = x[gap:]
+        for i in range(room):
+            step[i] = abs(ahead[i] - x[i])
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        for i in range(0, room - 3, 4):
+            a, b, c, d = a + step[i], b + step[i + 1], c + step[i + 2], d + step[i + 3]
+        typical, below = TYPICAL * ((a + b) + (c + d)) / room, 0  # no larger than the median, mostly
+        for i in range(room):
+            below += step[i] < typical
+        if below > (room - 1) // 2:
+            typical = np.median(step)
+        if not typical > 0.0:
+            typical = ROUNDED * np.abs(x).max()
+        limit, first = least * typical * (1.0 - SURE), gap + around
+        last = max(room - first, first)
+        for start in range(first, last, AT_ONCE):
+            size, some = min(AT_ONCE, last - start), 0  # that stand out of the nearest step on each side
+            before, here, after = step[start - gap - 1 :], step[start:], step[start + gap :]
+            for i in range(size):
+                beside = before[i] if before[i] > after[i] else after[i]
+                some += here[i] - abrupt * beside > limit
+            for i in range(start, start + size if some > 0 else start):
+                beside = max(step[i - gap - 1], step[i + gap])
+                if step[i] - abrupt * beside > limit and _stands_out(step, i, gap, around, few, abrupt, limit):
+                    at[min(found, len(at) - 1)] = i
+                    found += 1
+        for ends in ((0, min(first, room)), (last, room)):
             for i in range(ends[0], ends[1]):
-                if _stands_out(x, i, gap, around, few, abrupt, limit):
-                    at[min(now, len(at) - 1)] = i
-                    now += 1
-        found = now
+                if _stands_out(step, i, gap, around, few, abrupt, limit):
+                    at[min(found, len(at) - 1)] = i
+                    found += 1
     return found
 
 
 @compiled
-def _typical_step(x: Array, gap: int) -> float:
-    """Return a step that is mostly no larger than the median, of some of a long record."""
-    total, many, ahead = 0.0, 0, x[gap:]
-    for start in range(0, len(ahead), AT_ONCE * (APART if len(x) >= LONG else 1)):
-        size, own = min(AT_ONCE, len(ahead) - start), 0.0
-        part, after = x[start : start + size], ahead[start : start + size]
-        for i in range(size):
-            own += abs(after[i] - part[i])
-        total, many = total + own, many + size
-    return TYPICAL * total / many
-
-
-@compiled
-def _median_step(x: Array, gap: int) -> float:
-    """Return the median step, or what rounding makes of one."""
-    typical = float(np.median(np.abs(x[gap:] - x[: len(x) - gap])))
-    return typical if typical > 0.0 else ROUNDED * np.abs(x).max()
-
-
-@compiled
-def _flag_standing_out(
-    x: Array, size: int, gap: int, abrupt: float, limit: float, typical: float, flags: NDArray[np.bool_]
-) -> int:  # fmt: skip
-    """Flag which steps stand out of the nearest on each side; return how many are smaller than the typical.
-
-    The first begins ``gap`` + 1 values on.
-    """
-    below, before, here, after, end = 0, x[gap:], x[gap + 1 :], x[2 * gap + 1 :], x[3 * gap + 1 :]
-    for i in range(size):
-        own, one, other = abs(after[i] - here[i]), abs(before[i] - x[i]), abs(end[i] - after[i])
-        flags[i] = own - abrupt * (one if one > other else other) > limit
-        below += own < typical
-    return below
-
-
-@compiled
-def _stands_out(x: Array, i: int, gap: int, around: int, few: int, abrupt: float, limit: float) -> bool:
+def _stands_out(step: Array, i: int, gap: int, around: int, few: int, abrupt: float, limit: float) -> bool:
     """Return whether a step exceeds ``abrupt`` times the largest of those beside it by more than a limit."""
-    own, beside, room = abs(x[i + gap] - x[i]), 0.0, len(x) - gap
-    if own <= limit:
+    beside, room = 0.0, len(step)
+    if step[i] <= limit:
         return False
     if i >= gap + few:
         for k in range(max(i - gap - around, 0), i - gap):
-            beside = max(beside, abs(x[k + gap] - x[k]))
+            beside = max(beside, step[k])
     if i < room - gap - few:
         for k in range(i + gap, min(i + gap + around, room)):
-            beside = max(beside, abs(x[k + gap] - x[k]))
-    return bool(own - abrupt * beside > limit)
+            beside = max(beside, step[k])
+    return bool(step[i] - abrupt * beside > limit)
