@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
+from scipy.signal import lfilter
 
 from inertialcal.core.estimate import Array
 from inertialcal.procedures.thermal.fit import _kernels_cells as kernels
@@ -165,3 +166,10 @@ def test_bases_are_orthonormal_and_made_of_the_columns(run: Any) -> None:
         np.testing.assert_allclose(x[k] @ transform[k], basis[k], atol=1e-13)
     x[2, :, 1] = 0.0
     assert run.fill_bases(x.copy(), transform, length) == 0.0
+
+
+def test_an_element_behind_is_a_filter_of_first_order(run: Any) -> None:
+    of, behind = np.random.default_rng(8).normal(size=300).cumsum(), np.empty(300)
+    newer, older, left = 0.02, 0.03, 0.95
+    run.fill_behind(newer, older, left, of, behind)
+    np.testing.assert_array_equal(behind, lfilter([newer, older], [1.0, -left], of))

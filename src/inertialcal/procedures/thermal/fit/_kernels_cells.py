@@ -352,3 +352,12 @@ def fill_bases(basis: Array, transform: Array, length: Array) -> float:
             for j in range(p):
                 own[k, j] = columns[j, k]
     return least
+
+
+@compiled
+def fill_behind(newer: float, older: float, left: float, of: Array, behind: Array) -> None:
+    """Fill in what an element behind its thermometer shows: weights of a sample, the one before, what it showed."""
+    shown = 0.0
+    for i in range(len(of)):
+        behind[i] = shown + newer * of[i]
+        shown = older * of[i] + left * behind[i]

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from ....core.batches import any_step, batches, empty, kept, made, near, zeros
 from ....core.batches.summaries import median_made
@@ -163,7 +162,8 @@ class Series:
                 even, there = self._evenly(run, t, T, step)
                 left = np.exp(-step / lag)
                 new = 1.0 - lag / step * (1.0 - left)  # weight of the newer end of a ramp
-                behind = signal.lfilter([new, 1.0 - left - new], [1.0, -left], there)
+                behind = np.empty_like(there)
+                kernels.fill_behind(new, 1.0 - left - new, left, there, behind)
                 for own in self.of_run(run):
                     time, out = self.time[own], rate[own]
                     for first, stop in batches(time, out):
