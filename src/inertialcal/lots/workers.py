@@ -26,6 +26,8 @@ from multiprocessing.connection import wait as wait_for
 from multiprocessing.process import BaseProcess
 from typing import Protocol
 
+import pyarrow as pa
+
 from ..campaign.engine.processes import SIGNALS, can_fork
 from ..procedures import all_quantities, loaded_procedures
 from .block import Block, Given, Job, killed, reduce_block
@@ -280,6 +282,7 @@ def _keep_memory() -> None:
             allocator = ctypes.CDLL(None)
             for parameter, value in KEPT.items():
                 allocator.mallopt(parameter, value)
+            pa.set_memory_pool(pa.system_memory_pool())  # the one of Arrow gives back too
 
 
 class Here:
