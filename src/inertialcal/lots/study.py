@@ -18,12 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..campaign.engine.processes import cores
 from ..core.errors import DataError
 from ..core.remarks import Remark
 from ..core.results import Interval, finite
@@ -47,6 +49,7 @@ MATTERS = 1.25  # times that an uncertainty is off from which it is remarked on
 ODD_NAMED = 3  # parameters that an outlier is told by
 SHOWN = 12  # lines of a list on a terminal
 NOT_NORMAL = 1e-4  # probability of skewness and kurtosis from which a capability by a normal population is doubtful
+THREADS = 2  # figures at a time
 MOST_LEVELS = 50  # of a column that is taken for a factor
 
 
@@ -210,8 +213,8 @@ def study(table: Table, columns: Columns) -> Study:
     usable = [k for k in range(len(table.figures)) if _varies(table.values[first, k])]
     factors = {name: table.levels(name) for name in columns.factors}
     factors = {name: one for name, one in factors.items() if 1 < len(one[1]) <= MOST_LEVELS}
-    made, off = [], []
-    for k in usable:
+
+    def studied(k: int) -> tuple[FigureStudy, list[Off]]:
         rows = np.flatnonzero(np.isfinite(table.values[:, k]) & first & ~odd_rows)
         if rows.size < 2:
             rows = np.flatnonzero(np.isfinite(table.values[:, k]) & first)
@@ -223,14 +226,18 @@ def study(table: Table, columns: Columns) -> Study:
             away = np.where(known, place[rows] - float(place[rows][known].mean()), 0.0)
             y, drift, in_step = y - change.slope * away, 1, change.u * away
         at_station = levels(y, stations[rows], common, len(usable), drift, in_step) if len(names) > 1 else []
-        off += [Off(columns.station, names[one.number], table.figures[k], one) for one in at_station if one.off]
+        off = [Off(columns.station, names[one.number], table.figures[k], one) for one in at_station if one.off]
         means = {one.number: one.mean for one in at_station}
         centred = y - np.array([means.get(s, np.nan) for s in range(len(names))])[stations[rows]] if means else y
         spent = max(len(at_station) - 1, 0) + drift
         for name, (level, called) in factors.items():
             found = levels(centred, level[rows], 0.0, len(usable) * len(factors), spent)
             off += [Off(name, called[one.number], table.figures[k], one) for one in found if one.off]
-        made.append(_figure_study(table, k, rows, stations, at_station, change, odd_rows, len(usable)))
+        return _figure_study(table, k, rows, stations, at_station, change, odd_rows, len(usable)), off
+
+    with ThreadPoolExecutor(min(cores(), THREADS)) as pool:
+        every = list(pool.map(studied, usable))
+    made, off = [one for one, _ in every], [one for _, those in every for one in those]
     drifting = tuple(one for one in made if one.along is not None and one.along.drifts)
     done = np.array([one == "done" for one in table.statuses]) & first
     words = [table.verdicts[row] for row in np.flatnonzero(done)]
@@ -318,7 +325,8 @@ def _outliers(table: Table, stations: NDArray[np.intp]) -> Outliers | None:
         return None
     usual = np.column_stack([table.usual(k) for k in order])
     uncertain = Uncertain(table.own[:, order], table.own_dof[:, order], table.common[:, order], stations, usual)
-    found = outliers(table.values[:, order], table.first, uncertain)
+    with ThreadPoolExecutor(min(cores(), THREADS)) as pool:
+        found = outliers(table.values[:, order], table.first, uncertain, pool.map)
     return Outliers(np.array(order, dtype=np.intp)[found.used], found.logarithm, found.distance, found.limit,
                     found.outlier, found.deviation, found.heavy)  # fmt: skip
 

@@ -31,6 +31,8 @@ References
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,7 +115,15 @@ class Uncertain:
     usual: NDArray[np.bool_]
 
 
-def outliers(values: Array, first: NDArray[np.bool_] | None = None, uncertain: Uncertain | None = None) -> Outliers:
+Found = tuple[bool, tuple[Array, NDArray[np.bool_]] | None]  # whether as logarithms; as `_standardized`
+
+
+def outliers(
+    values: Array,
+    first: NDArray[np.bool_] | None = None,
+    uncertain: Uncertain | None = None,
+    each: Callable[[Callable[[int], Found], Sequence[int]], Iterable[Found]] = map,
+) -> Outliers:
     """Return how far units lie from the rest.
 
     Parameters
@@ -124,29 +134,33 @@ def outliers(values: Array, first: NDArray[np.bool_] | None = None, uncertain: U
         Which rows are the one of their unit that the rest is known from; all if not given. Every row is judged.
     uncertain : Uncertain, optional
         Of the values; the units scatter all alike if not given.
+    each : callable, optional
+        As ``map``: that of a pool of threads looks at several parameters at a time.
     """
     first = np.ones(len(values), dtype=bool) if first is None else first
     n = int(first.sum())
     known = np.isfinite(values)
     z, wide = np.full(values.shape, np.nan), np.zeros(values.shape, dtype=bool)
     logarithm = np.zeros(values.shape[1], dtype=bool)
-    good: list[int] = []
-    for j in range(values.shape[1]):
-        rows = np.flatnonzero(known[:, j])
+
+    def alone(j: int) -> Found:
+        rows = known[:, j]
         of_rest = first[rows]
-        if of_rest.sum() < max(KNOWN * n, 2 * PER_PARAMETER) or len(good) >= n // PER_PARAMETER:
-            continue
         x, one = values[rows, j], None if uncertain is None else _of_rows(uncertain, rows, j)
-        logarithm[j] = _skewed(x[of_rest])
-        if logarithm[j]:
+        skewed = _skewed(x[of_rest])
+        if skewed:
             with np.errstate(invalid="ignore", divide="ignore"):
                 one = None if one is None else replace(one, u=one.u / x, common=one.common / x)
                 x = np.log(x)
-        found = _standardized(x, of_rest, one)
-        if found is None:
-            continue
-        z[rows, j], wide[rows, j] = found
-        good.append(j)
+        return skewed, _standardized(x, of_rest, one)
+
+    good: list[int] = []
+    often = np.flatnonzero((known & first[:, np.newaxis]).sum(axis=0) >= max(KNOWN * n, 2 * PER_PARAMETER)).tolist()
+    for j, (skewed, found) in zip(often, each(alone, often), strict=True):
+        logarithm[j] = skewed
+        if found is not None and len(good) < n // PER_PARAMETER:
+            z[known[:, j], j], wide[known[:, j], j] = found
+            good.append(j)
     used = np.array(good, dtype=np.intp)
     z, wide = z[:, used], wide[:, used]
     distance, heavy = np.full(len(values), np.nan), False
@@ -190,7 +204,7 @@ def _times(deviate: Array, tests: int) -> Array:
         return np.asarray(np.where(rare > 1e-280, -special.ndtri(np.minimum(rare, 0.5)), deviate))
 
 
-def _of_rows(uncertain: Uncertain, rows: NDArray[np.intp], j: int) -> Uncertain:
+def _of_rows(uncertain: Uncertain, rows: NDArray[np.bool_], j: int) -> Uncertain:
     u, dof, common, usual = (one[rows, j] for one in (uncertain.u, uncertain.dof, uncertain.common, uncertain.usual))
     return Uncertain(u, dof, common, uncertain.station[rows], usual)
 
@@ -258,12 +272,17 @@ def _moderated(uncertain: Uncertain, first: NDArray[np.bool_]) -> tuple[Array, A
     rest = first & uncertain.usual & (u2 > 0.0)
     if rest.sum() < PER_PARAMETER:
         return u2, dof
-    usual, prior = 0.0, SURE
-    for prior in PRIORS:
-        usual = float(np.median(u2[rest] / _middle_of_f(dof[rest], prior)))
-        below = special.fdtr(dof[rest], prior, u2[rest] / usual)
-        if np.median(np.abs(special.ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)))) <= NORMAL:
-            break
+
+    def usual_for(prior: float) -> float:
+        return float(np.median(u2[rest] / _middle_of_f(dof[rest], prior)))
+
+    def is_enough(prior: float) -> bool:
+        below = special.fdtr(dof[rest], prior, u2[rest] / usual_for(prior))
+        return bool(np.median(np.abs(special.ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)))) <= NORMAL)
+
+    # The fewer they are, the wider is F: of the most that are enough
+    prior = PRIORS[min(bisect_left(PRIORS, True, key=is_enough), len(PRIORS) - 1)]
+    usual = usual_for(prior)
     moderated, more = (prior * usual + dof * u2) / (prior + dof), np.minimum(prior + dof, SURE)
     own = ~uncertain.usual | (special.fdtrc(dof, prior, u2 / usual) < OWN)
     return np.where(own, u2, moderated), np.where(own, dof, more)
