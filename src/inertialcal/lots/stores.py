@@ -473,46 +473,56 @@ class Delivery:
 
 def plain_rows(table: pa.Table) -> pa.Table:
     """Return rows without codes, of whole bytes: bits of other rows may stand beside those of these."""
-    return table.cast(pa.schema([one.with_type(_plain(one.type)) for one in table.schema], table.schema.metadata))
+    for at, one in enumerate(table.schema):
+        kind = _plain(one.type)
+        if kind != one.type:
+            table = table.set_column(at, one.with_type(kind), table.column(at).cast(kind))
+    return table
 
 
 def digests_of(plain: pa.Table, parts: Sequence[range]) -> list[str]:
-    """Return the SHA-256 of some plain rows (`plain_rows`) after others: of schema and columns as Arrow streams them.
+    """Return the SHA-256 of some plain rows (`plain_rows`) after others: of their schema, and those of their columns.
 
-    What lies below a null is nobody's: of such columns that of where they are, and of what is there.
+    Of a column that is as Arrow streams it. What lies below a null is nobody's: where there are nulls it is of where
+    they are, and of what is there. A column that is the same as in the rows before, as times are, is looked at once.
     """
     begun = hashlib.sha256(plain.schema.serialize())
     held = [_held(column) for column in plain.columns]
+    before: dict[int, tuple[pa.Buffer, bytes]] = {}  # by column: what it was, and its digest
     heads: dict[tuple[int, int], memoryview] = {}  # what stands before the values, by column and their number
     found = []
     for part in parts:
         digest = begun.copy()
         for at, (column, values) in enumerate(zip(plain.columns, held, strict=True)):
             if values is None:
+                of_column = hashlib.sha256()
                 for one in _streamed(column.slice(part.start, len(part))):
-                    digest.update(one)
+                    of_column.update(one)
+                digest.update(of_column.digest())
                 continue
-            own = values[part.start : part.stop].data.cast("B")
-            beyond = -len(own) % PADDED
-            if (at, len(part)) not in heads:
-                (whole,) = _streamed(column.slice(part.start, len(part)))
-                heads[at, len(part)] = memoryview(whole)[: whole.size - len(own) - beyond]
-            digest.update(heads[at, len(part)])
-            digest.update(own)
-            digest.update(bytes(beyond))
+            width = values.size // len(plain)
+            own = values.slice(part.start * width, len(part) * width)
+            if at not in before or not own.equals(before[at][0]):
+                beyond = -own.size % PADDED
+                if (at, len(part)) not in heads:
+                    (whole,) = _streamed(column.slice(part.start, len(part)))
+                    heads[at, len(part)] = memoryview(whole)[: whole.size - own.size - beyond]
+                of_column = hashlib.sha256(heads[at, len(part)])
+                of_column.update(own)
+                of_column.update(bytes(beyond))
+                before[at] = own, of_column.digest()
+            digest.update(before[at][1])
         found.append(digest.hexdigest())
     return found
 
 
-def _held(column: pa.ChunkedArray) -> NDArray[np.void] | None:
+def _held(column: pa.ChunkedArray) -> pa.Buffer | None:
     """Return the values of a column as they lie in memory; None where they do not lie there one after the other."""
     kind = column.type
     if column.null_count or column.num_chunks != 1 or not pa.types.is_primitive(kind) or kind.bit_width % 8:
         return None
-    chunk = column.chunk(0)
-    width = kind.bit_width // 8
-    lies: NDArray[np.void] = np.frombuffer(chunk.buffers()[1], np.dtype((np.void, width)), len(chunk) + chunk.offset)
-    return lies[chunk.offset :]
+    chunk, width = column.chunk(0), kind.bit_width // 8
+    return chunk.buffers()[1].slice(chunk.offset * width, len(chunk) * width)
 
 
 def _streamed(column: pa.ChunkedArray) -> Iterator[Any]:
