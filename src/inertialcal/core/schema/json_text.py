@@ -14,12 +14,10 @@ import re
 from collections.abc import Callable, Iterator, Sequence, Set
 from functools import lru_cache
 from json.encoder import encode_basestring
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from ..estimate import Array
 
 
@@ -296,7 +294,8 @@ def _frame(names: tuple[str, ...], line: str) -> tuple[str, str, list[int]]:
 
 _MARK = re.compile("\0([0-9]+)\0")  # of a hole
 Shape = tuple[int, ...] | None  # of the array that comes into a hole; None for text
-Fixed = tuple[list[str], list[int]]
+Pick = Callable[[list["Piece"]], Sequence["Piece"]]
+Fixed = tuple[list[str], Pick]  # pieces of text with room for what comes between them; which of many texts that is
 MANY = 1000  # numbers that are worth a call of Arrow
 
 
@@ -309,13 +308,15 @@ def _write_frames(every: Sequence[Place], known: _Known) -> None:
         alike.setdefault((one.frame, line, shapes), []).append(one)
     groups = [(frame, line, shapes, filled, *_numbers_of(frame, shapes, filled))
               for (frame, line, shapes), filled in alike.items()]  # fmt: skip
-    texts, start = number_texts([numbers for *_, numbers in groups]), 0
-    for frame, line, shapes, filled, changing, every_text, there, numbers in groups:
+    texts, start = number_texts([numbers for *_, numbers, _ in groups]), 0
+    for frame, line, shapes, filled, changing, numbers, endless in groups:
         fixed = _frame_pieces(frame, line, tuple(filled[0].values), shapes, changing)
-        every_text[there] = texts[start : start + len(numbers)]
-        start += len(numbers)
-        for one, own in zip(filled, every_text.tolist(), strict=True):
-            _write_frame(one, line, shapes, fixed, own, known)
+        for at in endless:
+            texts[start + at] = NULL[0]
+        each = len(numbers) // len(filled)
+        for one in filled:
+            _write_frame(one, line, shapes, fixed, texts[start : start + each], known)
+            start += each
 
 
 def _write_frame(
@@ -332,11 +333,9 @@ def _write_frame(
             else:
                 said.append(_texts(part, inner, known))
     forms: list[list[Piece]] = []
-    for form, (between, order) in enumerate(fixed):
-        texts: list[Piece] = [*[text[form] for text in said], *numbers]
-        pieces: list[Piece] = [""] * (2 * len(order) + 1)
-        pieces[::2] = between
-        pieces[1::2] = [texts[i] for i in order]
+    for form, (between, pick) in enumerate(fixed):
+        pieces: list[Piece] = [*between]
+        pieces[1::2] = pick([*[text[form] for text in said], *numbers])
         forms.append(pieces)
     if deep:
         known.pieces[id(one), line] = _joined(forms[0]), _joined(forms[1])
@@ -354,32 +353,27 @@ def _joined(pieces: Sequence[Piece]) -> list[Piece]:
     return [*found, "".join(pieces[start:])]  # type: ignore[arg-type]
 
 
-def _numbers_of(
-    frame: Frame, shapes: tuple[Shape, ...], filled: Sequence[Filled]
-) -> tuple[bytes, NDArray[np.object_], NDArray[np.bool_], Array]:
-    """Return which numbers of a frame change, a bit each; text of these, (frames, k); which are none yet; these."""
+def _numbers_of(frame: Frame, shapes: tuple[Shape, ...], filled: Sequence[Filled]) -> tuple[bytes, Array, list[int]]:
+    """Return which numbers of a frame change, a bit each; these, frame by frame; which of them are null."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
     own = [(name, shape) for name, shape in zip(filled[0].values, shapes, strict=True) if shape is not None]
     if not own:
-        none = len(filled), 0
-        return b"", np.zeros(none, dtype=object), np.zeros(none, dtype=bool), np.zeros(0)
+        return b"", np.zeros(0), []
     every = np.concatenate([one.values[name] for one in filled for name, _ in own], axis=None)
     every = every.reshape(len(filled), -1)
-    filled_in = every.view("i8") != 0  # -0.0 is no zero
-    changing = filled_in.any(axis=0)
-    every, there = every[:, changing], filled_in[:, changing]
-    texts = np.full(there.shape, "0.0", dtype=object)
+    changing = (every.view("i8") != 0).any(axis=0)  # -0.0 is no zero
+    found = every[:, changing]
+    endless: list[int] = []
     if frame.endless:
         ends = np.repeat([name in frame.endless and shape != () for name, shape in own],
                          [math.prod(shape) for _, shape in own])  # fmt: skip
-        null = (every == math.inf) & ends[changing]
-        texts[null] = NULL[0]
-        there &= ~null
-    found = every[there]
+        null = (found == math.inf) & ends[changing]
+        found[null] = 0.0
+        endless = np.flatnonzero(null).tolist()
     if not np.isfinite(found).all():
         raise ValueError("JSON has no NaN and no infinity")
-    return np.packbits(changing).tobytes(), texts, there, found
+    return np.packbits(changing).tobytes(), found.reshape(-1), endless
 
 
 def number_texts(parts: Sequence[Array]) -> list[str]:
@@ -388,7 +382,7 @@ def number_texts(parts: Sequence[Array]) -> list[str]:
     Parameters
     ----------
     parts : sequence of ndarray, shape (n,)
-        Of numbers that are finite, and not zero.
+        Of numbers that are finite.
     """
     if sum(map(len, parts)) < MANY:
         return [float.__repr__(one) for part in parts for one in part.tolist()]
@@ -413,7 +407,7 @@ def number_texts(parts: Sequence[Array]) -> list[str]:
 def _frame_pieces(
     frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...], changing: bytes
 ) -> Sequence[Fixed]:
-    """Return a frame in both forms, in pieces between its holes, and which text, or number, comes into each gap."""
+    """Return a frame in both forms, in pieces with gaps for its holes, and which text, or number, comes into each."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
     texts = sum(shape is None for shape in shapes)
@@ -427,15 +421,23 @@ def _frame_pieces(
         pieces, holes, start = list[str](), list[int](), 0
         for i, at in enumerate(order):
             if place[at] >= 0:
-                pieces.append("0.0".join(between[start : i + 1]))
+                pieces += "0.0".join(between[start : i + 1]), ""
                 holes.append(place[at])
                 start = i + 1
-        found.append(([*pieces, "0.0".join(between[start:])], holes))
+        found.append(([*pieces, "0.0".join(between[start:])], _picked(holes)))
     return found
 
 
+def _picked(places: Sequence[int]) -> Pick:
+    if len(places) > 1:
+        return itemgetter(*places)
+    return lambda every: [every[i] for i in places]
+
+
 @lru_cache(maxsize=128)
-def _every_piece(frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...]) -> Sequence[Fixed]:
+def _every_piece(
+    frame: Frame, line: str, names: tuple[str, ...], shapes: tuple[Shape, ...]
+) -> Sequence[tuple[list[str], list[int]]]:
     """Return the same where all numbers change."""
     import numpy as np  # noqa: PLC0415 - see `_is_array`
 
