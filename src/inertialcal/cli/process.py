@@ -215,6 +215,32 @@ def _write(stream: TextIO, text: str) -> None:
             os.write(descriptor, f"{text}\n".encode(stream.encoding, stream.errors or "replace"))
 
 
+class _NoPandas:
+    """A finder of modules that finds no pandas."""
+
+    @staticmethod
+    def find_spec(name: str, path: object = None, target: object = None) -> None:
+        """Refuse pandas, leave the rest to other finders."""
+        if name == "pandas":
+            raise ImportError(name)
+
+
+def without_pandas() -> None:
+    """Have Arrow look for pandas now and find none: it would load it, a quarter of a second, to ask if data are its.
+
+    What is turned into a data frame later loads it all the same. A process of others stays as it is.
+    """
+    if interruption.noting and "pandas" not in sys.modules:
+        import pyarrow as pa
+
+        finder: Any = _NoPandas
+        sys.meta_path.insert(0, finder)
+        try:
+            pa.array([])
+        finally:
+            sys.meta_path.remove(finder)
+
+
 def leave(status: int) -> NoReturn:
     """End the process with a status that nothing changes any more.
 

@@ -435,3 +435,21 @@ def test_any_environment(env: dict[str, str], table: list[str]) -> None:
         status, shown = on_terminal(20, *words, env=env)
         assert status in {0, 2}
         assert "Traceback" not in shown
+
+
+def test_arrow_of_a_command_does_without_pandas() -> None:
+    """It is not loaded, of a process of one's own alone, and there where a data frame is wanted."""
+    code = """
+import sys
+import pyarrow as pa
+from inertialcal.cli.process import interruption, without_pandas
+interruption.noting = sys.argv[1] == "own"
+without_pandas()
+pa.array([1.0, None])
+print("pandas" in sys.modules, len(pa.table({"a": [1, 2]}).to_pandas()))
+"""
+    for whose, loaded in (("own", "False"), ("other", "True")):
+        found = subprocess.run(
+            [sys.executable, "-c", code, whose], capture_output=True, text=True, timeout=60, check=True
+        )
+        assert found.stdout.split() == [loaded, "2"]

@@ -45,6 +45,9 @@ def lot(
     quiet: Quiet = False,
 ) -> int:
     """Reduce every unit of a lot by one campaign: figures, model and verdict of each as a row of Parquet files."""
+    from ..process import without_pandas
+
+    without_pandas()  # first: what is loaded next asks for it
     from ...core.errors import UsageError
     from ...core.show.tables import text
     from ...lots.lot import lot as reduce_lot
