@@ -3,6 +3,7 @@
 References
 ----------
 .. [1] D. E. Knuth, The Art of Computer Programming, vol. 3, 2nd ed., 1998, 5.2.2, algorithm M: merge exchange.
+.. [2] G. H. Golub and C. F. Van Loan, Matrix Computations, 4th ed., 2013, 8.3.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from ..core.estimate import Array
 from ._kernels import compiled, reordered
 
 ITERATIONS = 50
+SWEEPS = 60  # of rotations to an eigenvalue, at most
+EPS = 2.220446049250313e-16
 SETTLED = 1e-6  # relative change of tau^2
 NARROW = 200  # halvings of an interval, at most
 LANES = 64  # matrices whose roots are found, or lines, side by side
@@ -89,6 +92,153 @@ def settled_square(known: Array, pull: Array, start: float, least: float) -> flo
         if done:
             break
     return square if square > 2.0 * floor else 0.0
+
+
+@reordered
+def _reflector(column: Array) -> float:
+    """Turn a column into the reflector that leaves its first entry alone; return 2 over its square, 0 of nothing."""
+    square, first = 0.0, column[0]
+    for i in range(len(column)):
+        square += column[i] * column[i]
+    if not square > 0.0:
+        return 0.0
+    size = np.sqrt(square) + abs(first)
+    column[0] = size if first > 0.0 else -size
+    return 2.0 / (square - first * first + size * size)
+
+
+@reordered
+def _reflect(mirror: Array, share: float, x: Array) -> None:
+    """Reflect a column."""
+    along = 0.0
+    for i in range(len(x)):
+        along += mirror[i] * x[i]
+    along *= share
+    for i in range(len(x)):
+        x[i] -= along * mirror[i]
+
+
+@reordered
+def _reflect_both(mirror: Array, share: float, V: Array, room: Array) -> None:
+    """Reflect the last rows and columns of a symmetric matrix, as many as the reflector has entries."""
+    n, along = len(mirror), 0.0
+    first = len(V) - n
+    for i in range(n):
+        total, row = 0.0, V[first + i, first:]
+        for k in range(n):
+            total += row[k] * mirror[k]
+        room[i] = share * total
+        along += mirror[i] * room[i]
+    along *= 0.5 * share
+    for i in range(n):
+        room[i] -= along * mirror[i]
+    for i in range(n):
+        row, own, other = V[first + i, first:], mirror[i], room[i]
+        for k in range(n):
+            row[k] -= own * room[k] + other * mirror[k]
+
+
+@reordered
+def _set_apart(size: Array, beside: Array, away: Array) -> bool:
+    """Turn a tridiagonal matrix to its eigenvalues, and a vector along: implicit QL [2]_; return whether it ended."""
+    m = len(size)
+    for first in range(m):
+        for sweep in range(SWEEPS + 1):
+            last = first
+            while last < m - 1 and abs(beside[last]) > EPS * (abs(size[last]) + abs(size[last + 1])):
+                last += 1
+            if last == first:
+                break
+            if sweep == SWEEPS:
+                return False
+            g = (size[first + 1] - size[first]) / (2.0 * beside[first])
+            r = np.sqrt(g * g + 1.0)
+            g = size[last] - size[first] + beside[first] / (g + (r if g >= 0.0 else -r))
+            s, c, moved, i = 1.0, 1.0, 0.0, last - 1
+            while i >= first:
+                f, b = s * beside[i], c * beside[i]
+                r = np.sqrt(f * f + g * g)
+                beside[i + 1] = r
+                if r == 0.0:
+                    size[i + 1] -= moved
+                    beside[last] = 0.0
+                    break
+                s, c = f / r, g / r
+                g = size[i + 1] - moved
+                r = (size[i] - g) * s + 2.0 * c * b
+                moved = s * r
+                size[i + 1] = g + moved
+                g = c * r - b
+                away[i], away[i + 1] = c * away[i] - s * away[i + 1], s * away[i] + c * away[i + 1]
+                i -= 1
+            if i < first:
+                size[first] -= moved
+                beside[first], beside[last] = g, 0.0
+    return True
+
+
+@reordered
+def fill_contrasts(
+    design: Array, y: Array, fixed: Array, known: Array, pull: Array, largest: Array, squares: Array
+) -> None:
+    """Fill the variances between readings by restricted maximum likelihood, and what they follow from; NaN for none.
+
+    Parameters
+    ----------
+    design, y, fixed : ndarray, shapes (sets, n, p), (sets, n), (sets, n, n)
+        Readings, and the sum of their known covariances.
+    known, pull : ndarray, shape (sets, n - p)
+        Out: known variances of contrasts apart, ascending, and their squares.
+    largest, squares : ndarray, shape (sets,)
+        Out: largest variance; that between readings, never below zero.
+    """
+    sets, n, p = design.shape
+    m = n - p
+    columns, away, V, room = np.empty((p, n)), np.empty(n), np.empty((n, n)), np.empty(n)
+    beside = np.zeros(m + 1)
+    for s in range(sets):
+        noise = 0.0
+        for i in range(n):
+            away[i] = y[s, i]
+            noise += fixed[s, i, i] / n
+            for j in range(p):
+                columns[j, i] = design[s, i, j]
+            for k in range(n):
+                V[i, k] = fixed[s, i, k]
+        for j in range(p):
+            mirror = columns[j, j:]
+            share = _reflector(mirror)
+            for k in range(j + 1, p):
+                _reflect(mirror, share, columns[k, j:])
+            _reflect(mirror, share, away[j:])
+            _reflect_both(mirror, share, V, room)
+        total = 0.0
+        for i in range(p, n):
+            total += away[i] * away[i] / m
+        for j in range(p, n - 2):
+            mirror, one = V[j, j + 1 :], V[j, j + 1]
+            share = _reflector(mirror)
+            beside[j - p] = one - mirror[0]  # what is left of the row
+            _reflect(mirror, share, away[j + 1 :])
+            _reflect_both(mirror, share, V, room)
+        if m > 1:
+            beside[m - 2] = V[n - 2, n - 1]
+        for j in range(m):
+            known[s, j], pull[s, j] = V[p + j, p + j], away[p + j]
+        largest[s] = max(total, noise)
+        if not _set_apart(known[s], beside, pull[s]):
+            squares[s] = np.nan
+            continue
+        for i in range(m):
+            own, along, at = known[s, i], pull[s, i] ** 2, i
+            while at > 0 and known[s, at - 1] > own:
+                known[s, at], pull[s, at] = known[s, at - 1], pull[s, at - 1]
+                at -= 1
+            known[s, at], pull[s, at] = own, along
+        least = max(total, known[s, 0])  # a prior may be wider than all that the readings show
+        squares[s] = settled_square(known[s], pull[s], max(total - noise, 1e-3 * largest[s]), least)
+        for i in range(m):
+            known[s, i] = max(known[s, i], 0.0)
 
 
 @reordered
@@ -240,13 +390,6 @@ def solve_levels(
             moved[a, i] = square * gain[a, i]
     _joined(moved, gain, between)
     return chi_square, information
-
-
-@reordered
-def settled_squares(known: Array, pull: Array, start: Array, least: Array, found: Array) -> None:
-    """Fill what `settled_square` returns of each set: rows of the contrasts, and a number a set."""
-    for k in range(len(found)):
-        found[k] = settled_square(known[k], pull[k], start[k], least[k])
 
 
 @reordered

@@ -29,7 +29,7 @@ from scipy import special
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from ._kernels_levels import settled_squares, solve_many_levels, square_at, weighted_squares
+from ._kernels_levels import fill_contrasts, solve_many_levels, square_at, weighted_squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,18 +277,12 @@ def _contrasts(design: Array, readings: Array, fixed: Array, squares: Array) -> 
     Return the contrasts behind each, shape (sets, n - p): their known variances and their squares; the largest
     variance, shape (sets,).
     """
-    _, n, p = design.shape
-    free = np.linalg.qr(design, mode="complete")[0][:, :, p:]  # P = free (free' V free)^-1 free', for every tau
-    across = free.swapaxes(1, 2)
-    away = (across @ readings[:, :, None])[:, :, 0]
-    total, noise = np.sum(away * away, axis=1) / (n - p), np.trace(fixed, axis1=1, axis2=2) / n
-    largest = np.maximum(total, noise)
-    start = np.maximum(total - noise, 1e-3 * largest)
-    known, axes = np.linalg.eigh(across @ fixed @ free)
-    pull = (axes.swapaxes(1, 2) @ away[:, :, None])[:, :, 0] ** 2
-    least = np.maximum(total, known[:, 0])  # a prior may be wider than all that the readings show
-    settled_squares(known, pull, start, least, squares)
-    return np.maximum(known, 0.0), pull, largest
+    sets, n, p = design.shape
+    known, pull, largest = np.empty((sets, n - p)), np.empty((sets, n - p)), np.empty(sets)
+    fill_contrasts(design, readings, fixed, known, pull, largest, squares)
+    if np.isnan(squares).any():
+        raise np.linalg.LinAlgError("Eigenvalues did not converge")
+    return known, pull, largest
 
 
 def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:

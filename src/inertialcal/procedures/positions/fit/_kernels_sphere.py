@@ -14,19 +14,63 @@ COARSE = 0.02  # singular value over the largest, below which the first steps le
 HALVINGS = 12  # of a step that are tried
 ROBUST = 4  # rounds of weights
 EPS = 2.220446049250313e-16
+SQUARED = 1.0 / 300.0  # singular value over the largest, above which all may be squared
 TUKEY = 4.685  # 95 % efficiency for normal errors
 LINEAR_STEPS, LINEAR_SETTLED = 15, 1e-4  # of weights of a linear fit; change over the largest reading
 MAD = 1.4826
 
 
 @reordered
+def _by_squares(design: Array, readings: Array, cut: float, found: Array) -> bool:
+    """Fill the least-squares solution by its normal equations; return whether they are conditioned well enough."""
+    n, p = design.shape
+    A, R, along = np.empty((p, n)), np.zeros((p, p)), np.empty(p)  # columns as rows; R' R are the squares
+    for i in range(n):
+        for j in range(p):
+            A[j, i] = design[i, j]
+    for j in range(p):
+        total = 0.0
+        for i in range(n):
+            total += A[j, i] * readings[i]
+        along[j] = total
+        for k in range(j, p):
+            total = 0.0
+            for i in range(n):
+                total += A[j, i] * A[k, i]
+            R[j, k] = total
+    for j in range(p):
+        for i in range(j):
+            share = R[i, j]
+            along[j] -= share * along[i]
+            for k in range(j, p):
+                R[j, k] -= share * R[i, k]
+        if not R[j, j] > 0.0:
+            return False
+        size = 1.0 / np.sqrt(R[j, j])
+        along[j] *= size
+        for k in range(j, p):
+            R[j, k] *= size
+    if not _is_whole(R, max(cut, SQUARED)):
+        return False
+    for i in range(p - 1, -1, -1):
+        total = along[i]
+        for k in range(i + 1, p):
+            total -= R[i, k] * found[k]
+        found[i] = total / R[i, i]
+    return True
+
+
+@reordered
 def shortest(design: Array, readings: Array, cut: float, found: Array) -> None:
     """Fill the shortest of the least-squares solutions; ``cut``: of the largest singular value, below which one is 0.
 
-    By an orthogonal triangle; where bounds of its condition leave open that one is 0, by its singular values (one-sided
-    rotations of Jacobi). NaN where the design has one.
+    By the normal equations where these are conditioned well, else by an orthogonal triangle; where bounds of its
+    condition leave open that one is 0, by its singular values (one-sided rotations of Jacobi). NaN where the design
+    has one.
     """
     n, p = design.shape
+    if n >= p and _by_squares(design, readings, cut, found):
+        return
     rows = max(n, p)
     A, b = np.zeros((p, rows)), np.zeros(rows)  # columns as rows
     for i in range(n):
