@@ -277,8 +277,8 @@ MUTANTS = (
     ),
     Mutant(
         "two_levels.py",
-        "            chi_square,\n            n - p,",
-        "            chi_square,\n            n,",
+        "                free=n - p,",
+        "                free=n,",
         "test_two_levels",
     ),
     Mutant(

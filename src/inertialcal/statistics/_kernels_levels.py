@@ -433,15 +433,43 @@ def weighted_squares(design: Array, y: Array, V: Array) -> float:
     if np.isnan(inverse_of(normal, small, bare)):
         return np.nan
     residuals = y.copy()
-    for i in range(n):
-        for a in range(p):
-            for b in range(p):
-                residuals[i] -= design[i, a] * bare[a, b] * target[b]
+    for a in range(p):
+        coefficient = 0.0
+        for b in range(p):
+            coefficient += bare[a, b] * target[b]
+        for i in range(n):
+            residuals[i] -= design[i, a] * coefficient
     total = 0.0
     for i in range(n):
         for k in range(n):
             total += residuals[i] * inverse[i, k] * residuals[k]
     return total
+
+
+@reordered
+def fill_scatters(
+    design: Array, y: Array, fixed: Array, known: Array, pull: Array, largest: Array, low: float, high: float,
+    found: Array,
+) -> None:  # fmt: skip
+    """Fill what `weighted_squares` returns of each set, and between which scatters the weighted squares are quantiles.
+
+    Parameters
+    ----------
+    design, y, fixed, known, pull, largest : ndarray
+        As `fill_contrasts` has them.
+    low, high : float
+        Quantiles that the squares at the least and at the largest scatter are.
+    found : ndarray, shape (sets, 3)
+        Out: weighted squares, NaN where nothing is left over or a known variance is 0; both scatters.
+    """
+    n, p = design.shape[1:]
+    for s in range(len(design)):
+        is_known = n > p
+        for i in range(n):
+            is_known = is_known and fixed[s, i, i] > 0.0
+        found[s, 0] = weighted_squares(design[s], y[s], fixed[s]) if is_known else np.nan
+        found[s, 1] = np.sqrt(square_at(known[s], pull[s], largest[s], low))
+        found[s, 2] = np.sqrt(square_at(known[s], pull[s], largest[s], high))
 
 
 @reordered

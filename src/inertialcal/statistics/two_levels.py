@@ -20,7 +20,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -29,7 +29,7 @@ from scipy import special
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from ._kernels_levels import fill_contrasts, solve_many_levels, square_at, weighted_squares
+from ._kernels_levels import fill_contrasts, fill_scatters, solve_many_levels, square_at, weighted_squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +56,13 @@ class TwoLevels:
     readings: Array  # as given, (n,)
     known: Mapping[str, Array]  # the known covariances, by name, (n, n)
     by_scatter: Array  # square root of what tau^2 does to the coefficients: the gain, if it counts in all, (p, k)
+
+    @classmethod
+    def of_own(cls, shared: Mapping[str, object], **fields: object) -> TwoLevels:
+        """Return a fit of all its fields; the constructor takes several times as long."""
+        found = object.__new__(cls)
+        found.__dict__.update(shared, **fields)
+        return found
 
     @cached_property
     def between_interval(self) -> tuple[float, float]:
@@ -117,18 +124,89 @@ def fit_two_levels(
         ``no_dof`` where n is p and the scatter between readings is not given; ``no_scatter`` if nothing scatters at
         all, or some readings would be exact.
     """
-    found = fit_many_levels(design[None], readings[None], {name: part[None] for name, part in known.items()}, between)[
-        0
-    ]
+    own = {name: part[None] for name, part in known.items()}
+    (found,) = fit_many_levels(design[None], readings[None], own, between).fits([0])
     if isinstance(found, DataError):
         raise found
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Fits of many sets of readings of one shape: what `TwoLevels` has of each, along the first axis."""
+
+    coefficients: Array  # (sets, p)
+    design: Array
+    readings: Array
+    known: Mapping[str, Array]  # (sets, n, n)
+    fixed: Array  # sum of the known covariances, (sets, n, n)
+    squares: Array  # tau^2, (sets,)
+    # known variances and squares of the contrasts, and the largest variance, (sets,); None where tau was given
+    contrasts: tuple[Array, Array, Array] | None
+    parts: Mapping[str, Array]
+    arrays: Mapping[str, Array]  # what else a fit has, by name
+    judged: Array  # chi-square, information, (sets, 2)
+    refused: Mapping[int, DataError]
+
+    def fits(self, at: Iterable[int], with_scatter: bool = False) -> list[TwoLevels | DataError]:
+        """Return the fits at some places, or why they are refused.
+
+        Parameters
+        ----------
+        at : iterable of int
+            Places.
+        with_scatter : bool
+            Work out the interval of tau and chi-square of the known covariances at once, which each else does when it
+            is asked.
+        """
+        places = [*at]
+        scatters = self._scatters(places).tolist() if with_scatter else [None] * len(places)
+        n, p = self.design.shape[1:]
+        contrasts, judged, tau = self.contrasts, self.judged.tolist(), np.sqrt(self.squares).tolist()
+        found = list[TwoLevels | DataError]()
+        for k, scatter in zip(places, scatters, strict=True):
+            if k in self.refused:
+                found.append(self.refused[k])
+                continue
+            chi_square, information = judged[k]
+            one = TwoLevels.of_own(
+                {name: own[k] for name, own in self.arrays.items()},
+                coefficients=self.coefficients[k],
+                design=self.design[k],
+                readings=self.readings[k],
+                parts={name: own[k] for name, own in self.parts.items()},
+                known={name: own[k] for name, own in self.known.items()},
+                contrasts=None if contrasts is None else (contrasts[0][k], contrasts[1][k], float(contrasts[2][k])),
+                information=np.inf if contrasts is None else information,
+                between=tau[k],
+                chi_square=chi_square,
+                free=n - p,
+            )
+            if scatter is not None:
+                one.__dict__.update(chi_square_known=scatter[0], between_interval=(scatter[1], scatter[2]))
+            found.append(one)
+        return found
+
+    def _scatters(self, places: Sequence[int]) -> Array:
+        """Return chi-square of the known covariances and both ends of the interval of tau, (places, 3)."""
+        given = (self.design, self.readings, self.fixed)
+        if self.contrasts is None:
+            none, tau = np.zeros((len(places), 0)), np.sqrt(self.squares[places])
+            contrasts, quantiles = (none, none, np.zeros(len(places))), (0.0, 0.0)
+        else:
+            known, pull, largest = self.contrasts
+            contrasts, quantiles = (known[places], pull[places], largest[places]), _quantiles(known.shape[1])
+        found = np.empty((len(places), 3))
+        fill_scatters(*[one[places] for one in given], *contrasts, *quantiles, found)
+        if self.contrasts is None:
+            found[:, 1:] = tau[:, None]
+        return found
+
+
 def fit_many_levels(
     design: Array, readings: Array, known: Mapping[str, Array], between: float | None = None
-) -> list[TwoLevels | DataError]:
-    """Return the fit of each of many sets of readings, or why it is refused: as `fit_two_levels` gives it of each.
+) -> Levels:
+    """Return the fits of many sets of readings: as `fit_two_levels` gives it of each.
 
     Parameters
     ----------
@@ -177,7 +255,22 @@ def fit_many_levels(
     for k in np.flatnonzero(~(least > n * np.finfo(float).eps * most)):
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         refused.setdefault(int(k), DataError(what, do="Check for copied or rounded readings", code="no_scatter"))
-    return _solved(design, readings, known, sources, is_diagonal, squares, contrasts, refused)
+    coefficients, gain = np.empty((sets, p)), np.empty((sets, p, n))
+    covariance, between_part, parts = np.empty((sets, p, p)), np.empty((sets, p, p)), np.empty((sets, len(known), p, p))
+    projector, residuals = np.empty((sets, n, n)), np.empty((sets, n))
+    deletion, judged = np.empty((sets, 2, n)), np.empty((sets, 2))
+    solve_many_levels(
+        design, readings, sources, is_diagonal, squares, coefficients, covariance, gain, projector, residuals, parts,
+        between_part, deletion, judged,
+    )  # fmt: skip
+    if any(k not in refused for k in np.flatnonzero(judged[:, 1] < 0.0).tolist()):
+        raise np.linalg.LinAlgError("Singular matrix")
+    arrays = {"covariance": covariance, "between_part": between_part, "deletion": deletion[:, 0],
+              "deletion_u": deletion[:, 1], "residuals": residuals, "gain": gain, "projector": projector,
+              "by_scatter": gain}  # fmt: skip
+    own = {name: sources[:, s] for s, name in enumerate(known)}
+    each = {name: parts[:, s] for s, name in enumerate(known)}
+    return Levels(coefficients, design, readings, own, fixed, squares, contrasts, each, arrays, judged, refused)
 
 
 def fit_with_prior(
@@ -299,54 +392,6 @@ def _quantiles(dof: int) -> tuple[float, ...]:
 
 def _inverse(fixed: Array, square: float) -> Array:
     return np.asarray(np.linalg.inv(fixed + square * np.eye(len(fixed))))
-
-
-def _solved(
-    design: Array,
-    readings: Array,
-    known: Mapping[str, Array],
-    sources: Array,
-    is_diagonal: bool,
-    squares: Array,
-    contrasts: tuple[Array, Array, Array] | None,
-    refused: Mapping[int, DataError],
-) -> list[TwoLevels | DataError]:
-    (sets, n, p), s = design.shape, len(known)
-    coefficients, bare, gain = np.empty((sets, p)), np.empty((sets, p, p)), np.empty((sets, p, n))
-    projector, residuals, deletion = np.empty((sets, n, n)), np.empty((sets, n)), np.empty((sets, 2, n))
-    parts, between, judged = np.empty((sets, s, p, p)), np.empty((sets, p, p)), np.empty((sets, 2))
-    solve_many_levels(
-        design, readings, sources, is_diagonal, squares, coefficients, bare, gain, projector, residuals, parts,
-        between, deletion, judged,
-    )  # fmt: skip
-    tau, found = np.sqrt(squares).tolist(), list[TwoLevels | DataError]()
-    for k, (chi_square, information) in enumerate(judged.tolist()):
-        if k in refused:
-            found.append(refused[k])
-            continue
-        if information < 0.0:
-            raise np.linalg.LinAlgError("Singular matrix")
-        found.append(TwoLevels(
-            coefficients[k],
-            bare[k],
-            dict(zip(known, parts[k], strict=True)),
-            between[k],
-            None if contrasts is None else (contrasts[0][k], contrasts[1][k], float(contrasts[2][k])),
-            np.inf if contrasts is None else information,
-            tau[k],
-            chi_square,
-            n - p,
-            deletion[k, 0],
-            deletion[k, 1],
-            residuals[k],
-            gain[k],
-            projector[k],
-            design[k],
-            readings[k],
-            dict(zip(known, sources[k], strict=True)),
-            gain[k],
-        ))  # fmt: skip
-    return found
 
 
 def _part(gain: Array, covariance: Array) -> Array:

@@ -21,43 +21,68 @@ MAD = 1.4826
 
 
 @reordered
-def _by_squares(design: Array, readings: Array, cut: float, found: Array) -> bool:
-    """Fill the least-squares solution by its normal equations; return whether they are conditioned well enough."""
+def _fill_triangle(design: Array, columns: Array, R: Array) -> bool:
+    """Fill the triangle with ``R' R`` the squares of a design, and its columns as rows; return whether there is one."""
     n, p = design.shape
-    A, R, along = np.empty((p, n)), np.zeros((p, p)), np.empty(p)  # columns as rows; R' R are the squares
     for i in range(n):
         for j in range(p):
-            A[j, i] = design[i, j]
+            columns[j, i] = design[i, j]
     for j in range(p):
-        total = 0.0
-        for i in range(n):
-            total += A[j, i] * readings[i]
-        along[j] = total
+        one = columns[j]
         for k in range(j, p):
-            total = 0.0
+            total, other = 0.0, columns[k]
             for i in range(n):
-                total += A[j, i] * A[k, i]
+                total += one[i] * other[i]
             R[j, k] = total
     for j in range(p):
         for i in range(j):
             share = R[i, j]
-            along[j] -= share * along[i]
             for k in range(j, p):
                 R[j, k] -= share * R[i, k]
         if not R[j, j] > 0.0:
             return False
         size = 1.0 / np.sqrt(R[j, j])
-        along[j] *= size
         for k in range(j, p):
             R[j, k] *= size
-    if not _is_whole(R, max(cut, SQUARED)):
+    return True
+
+
+@reordered
+def _by_squares(design: Array, readings: Array, cut: float, found: Array) -> bool:
+    """Fill the least-squares solution by its normal equations; return whether they are conditioned well enough."""
+    n, p = design.shape
+    columns, R, along = np.empty((p, n)), np.zeros((p, p)), np.empty(p)
+    if not (_fill_triangle(design, columns, R) and _is_whole(R, max(cut, SQUARED))):
         return False
+    for j in range(p):
+        total, one = 0.0, columns[j]
+        for i in range(n):
+            total += one[i] * readings[i]
+        for k in range(j):
+            total -= R[k, j] * along[k]
+        along[j] = total / R[j, j]
     for i in range(p - 1, -1, -1):
         total = along[i]
         for k in range(i + 1, p):
             total -= R[i, k] * found[k]
         found[i] = total / R[i, i]
     return True
+
+
+@reordered
+def fill_sizes(design: Array, sizes: Array) -> None:
+    """Fill bounds of the least and of the largest singular value of each of many designs, (sets, 2).
+
+    Nought is known of those of which the squares tell too little.
+    """
+    n, p = design.shape[1:]
+    columns, R = np.empty((p, n)), np.zeros((p, p))
+    for k in range(len(design)):
+        sizes[k, 0], sizes[k, 1] = 0.0, np.inf
+        if n >= p and _fill_triangle(design[k], columns, R):
+            size, inverse = _squares(R)
+            if SQUARED * np.sqrt(size * inverse) < 1.0:
+                sizes[k, 0], sizes[k, 1] = 1.0 / np.sqrt(inverse), np.sqrt(size)
 
 
 @reordered
@@ -154,13 +179,13 @@ def shortest(design: Array, readings: Array, cut: float, found: Array) -> None:
 
 
 @reordered
-def _is_whole(R: Array, cut: float) -> bool:
-    """Return whether bounds of the singular values of a triangle show that none is below the cut."""
+def _squares(R: Array) -> tuple[float, float]:
+    """Return the sum of squares of a triangle, and of its inverse, infinite where there is none."""
     p, size, inverse = len(R), 0.0, 0.0
     back = np.zeros(p)
     for i in range(p):
         if not abs(R[i, i]) > 0.0:
-            return False
+            return np.nan, np.inf
         for k in range(i, p):
             size += R[i, k] ** 2
     for c in range(p):
@@ -170,6 +195,13 @@ def _is_whole(R: Array, cut: float) -> bool:
                 total -= R[i, k] * back[k]
             back[i] = total / R[i, i]
             inverse += back[i] ** 2
+    return size, inverse
+
+
+@reordered
+def _is_whole(R: Array, cut: float) -> bool:
+    """Return whether bounds of the singular values of a triangle show that none is below the cut."""
+    size, inverse = _squares(R)
     return bool(cut * np.sqrt(size * inverse) < 1.0)
 
 

@@ -450,7 +450,7 @@ def _second_level(
     found: list[TwoLevels | DataError | None] = [None] * units
     observed: dict[int, Observability] = {}
     left = np.arange(units)
-    for _ in range(10):
+    for last in (*[False] * 9, True):
         e, jacobian, u = lengths(theta[left], r[left], g)
         noise, own = variances(theta[left], u, inside[left], g), _observe(jacobian, scatter[left], g)
         observed |= zip(left.tolist(), own, strict=True)
@@ -460,14 +460,15 @@ def _second_level(
                 for k in left[at]:
                     found[k] = None
                 continue
-            design = jacobian[at] @ np.array([own[k].kept for k in at])
-            fits = fit_many_levels(design, -e[at], {INSIDE: noise[at]})
-            for k, fit in zip(at.tolist(), fits, strict=True):
-                found[left[k]] = fit
-                if isinstance(fit, TwoLevels):
-                    step = own[k].kept @ fit.coefficients
-                    theta[left[k]] += step
-                    moving[k] = not np.max(np.abs(step)) <= SETTLED * g
+            kept = np.array([own[k].kept for k in at])
+            fitted = fit_many_levels(jacobian[at] @ kept, -e[at], {INSIDE: noise[at]})
+            step = (kept @ fitted.coefficients[:, :, None])[:, :, 0]
+            step[[*fitted.refused]] = 0.0
+            theta[left[at]] += step
+            moving[at] = ~(np.abs(step).max(axis=1) <= SETTLED * g)
+            ended = np.flatnonzero(~moving[at] | last)
+            for k, fit in zip(left[at[ended]].tolist(), fitted.fits(ended.tolist(), with_scatter=True), strict=True):
+                found[k] = fit
         left = left[moving]
         if not len(left):
             break

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from ....core.key import AXES, Key, Origin, Reason
 from ....core.unknowns import Unknowns
 from ....statistics.two_levels import TwoLevels
 from ...corrections import TakenOff, dof_of, moved
+from ._kernels_sphere import fill_sizes
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
@@ -312,7 +314,6 @@ class Observability:
 
     rank: int  # Combinations that are determined
     count: int  # Combinations in all
-    condition: float  # Largest over smallest singular value of these
     determined: NDArray[np.bool_]  # shape (p,): parameters that take no part in a combination that is not
     kept: Array  # shape (p, rank): directions that are determined, in scaled parameters
     combinations: tuple[str, ...]  # Those that are not, in words
@@ -369,7 +370,21 @@ def observe_many(
     smallest: float = SMALLEST,
 ) -> list[Observability]:
     """Return what `observe` gives of each of many scaled Jacobians, shape (sets, n, p); ``scatter``, shape (sets,)."""
-    return told_by(*decomposed(scaled), names, scatter, useless, takes_part, smallest)
+    sizes = np.empty((len(scaled), 2))
+    fill_sizes(np.ascontiguousarray(scaled), sizes)
+    whole = (sizes[:, 0] > smallest * sizes[:, 1]) & (scatter < useless * sizes[:, 0])
+    found = [_whole(scaled.shape[2])] * len(scaled)
+    others = np.flatnonzero(~whole)
+    told = told_by(*decomposed(scaled[others]), names, scatter[others], useless, takes_part, smallest)
+    for k, one in zip(others.tolist(), told, strict=True):
+        found[k] = one
+    return found
+
+
+@lru_cache
+def _whole(p: int) -> Observability:
+    """Return that of readings that determine all of so many parameters well: each is a direction as good as any."""
+    return Observability(p, p, np.ones(p, dtype=bool), np.eye(p), (), ())
 
 
 def decomposed(scaled: Array) -> tuple[Array, Array]:
@@ -391,19 +406,17 @@ def told_by(
 ) -> list[Observability]:
     """Return what `observe_many` gives of Jacobians that are `decomposed`."""
     found, p = [], sizes.shape[1]
-    for s, rows, good in zip(sizes, directions, can_tell(sizes, scatter, useless, smallest), strict=True):
+    for rows, good in zip(directions, can_tell(sizes, scatter, useless, smallest), strict=True):
         if good.all():
-            every = np.ones(p, dtype=bool)
-            found.append(Observability(p, p, float(s[0] / s[-1]), every, rows.T, (), ()))
+            found.append(Observability(p, p, np.ones(p, dtype=bool), rows.T, (), ()))
             continue
         lost = rows[~good].T
         determined = np.sqrt(np.sum(lost**2, axis=1)) < takes_part
         rank = int(np.sum(good))
-        condition = float(s[good].max() / s[good].min()) if rank else np.inf
         simple = _simple(lost, names)
         parts = tuple(frozenset(name for _, name in terms) for terms in simple)
         combinations = tuple(map(_in_words, simple))
-        found.append(Observability(rank, p, condition, determined, rows[good].T, combinations, parts))
+        found.append(Observability(rank, p, determined, rows[good].T, combinations, parts))
     return found
 
 

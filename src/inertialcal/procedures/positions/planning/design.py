@@ -176,7 +176,9 @@ def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
     keys, units = parameters(setup.known)
     k = len(keys)
     flat, weights = rows.reshape(-1, k), 1.0 / deviations.reshape(-1, 1)
-    observed = observe(flat * (setup.scatter / setup.gravity) * weights, keys, setup.scatter / setup.gravity)
+    scaled = flat * (setup.scatter / setup.gravity) * weights
+    observed = observe(scaled, keys, setup.scatter / setup.gravity)
+    sizes = np.linalg.svd(scaled @ observed.kept, compute_uv=False)
     covariance = _covariance(setup, flat * weights, observed.kept, observed.determined)
     with np.errstate(invalid="ignore"):
         u = np.where(observed.determined, np.sqrt(np.diag(covariance)), np.inf)
@@ -187,7 +189,7 @@ def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
         covariance,
         observed.rank,
         observed.count,
-        observed.condition,
+        float(sizes[0] / sizes[-1]) if observed.rank else np.inf,
         observed.combinations,
         observed.parts,
     )
