@@ -7,8 +7,10 @@ import pytest
 from scipy import stats
 
 from inertialcal.core.errors import DataError
+from inertialcal.core.estimate import Array
+from inertialcal.statistics._kernels_levels import fill_contrasts
 from inertialcal.statistics.intervals import coverage_factor, covers
-from inertialcal.statistics.two_levels import fit_two_levels, fit_with_prior
+from inertialcal.statistics.two_levels import TwoLevels, fit_many_levels, fit_two_levels, fit_with_prior
 
 EXACT = 1e-6
 
@@ -160,3 +162,46 @@ class TestPrior:
             found = fit_with_prior(x, y, {"noise": np.full(4, 0.01)}, {"prior": (2.0 * np.eye(6), np.zeros(6))})
             hits += list(np.abs(found.coefficients - b) <= 1.96 * np.sqrt(np.diag(found.covariance)))
         assert 0.93 < np.mean(hits) < 0.97
+
+
+def covariances(kind: str, sets: int, n: int) -> Array:
+    """Return what is known of readings: of each apart, of all together, of none, alike, or of few sources."""
+    rng = np.random.default_rng(n)
+    if kind == "apart":
+        return np.asarray(rng.uniform(0.1, 1.0, (sets, 1, n)) * np.eye(n))
+    if kind in {"joint", "few"}:
+        root = rng.normal(size=(sets, n, n if kind == "joint" else 2))
+        return np.asarray(root @ root.swapaxes(1, 2) / n)
+    return np.asarray(np.tile(0.3 * np.eye(n) * (kind == "alike"), (sets, 1, 1)))
+
+
+@pytest.mark.parametrize("kind", ["apart", "joint", "none", "alike", "few"])
+@pytest.mark.parametrize(("n", "p"), [(24, 9), (5, 3), (3, 2), (2, 1)])
+def test_contrasts_are_those_of_eigenvalues(kind: str, n: int, p: int) -> None:
+    """Variances apart in order, and weighted squares that do not depend on which contrasts they are of."""
+    rng = np.random.default_rng(7)
+    design, y, fixed = rng.normal(size=(4, n, p)), rng.normal(size=(4, n)), covariances(kind, 4, n)
+    known, pull, largest, squares = np.empty((4, n - p)), np.empty((4, n - p)), np.empty(4), np.empty(4)
+    fill_contrasts(design, y, fixed, known, pull, largest, squares)
+    for k in range(4):
+        free = np.linalg.qr(design[k], mode="complete")[0][:, p:]
+        sizes, axes = np.linalg.eigh(free.T @ fixed[k] @ free)
+        np.testing.assert_allclose(known[k], np.maximum(sizes, 0.0), rtol=0.0, atol=1e-13 * max(1.0, sizes.max()))
+        for square in (0.3, 2.0):
+            expected = np.sum((axes.T @ free.T @ y[k]) ** 2 / (np.maximum(sizes, 0.0) + square))
+            assert np.sum(pull[k] / (known[k] + square)) == pytest.approx(expected, rel=1e-11)
+        assert largest[k] == pytest.approx(max(np.mean((free.T @ y[k]) ** 2), np.trace(fixed[k]) / n))
+        assert 0.0 <= squares[k] < np.inf
+
+
+@pytest.mark.parametrize("between", [None, 0.3])
+def test_scatters_at_once_are_those_that_are_asked_for(between: float | None) -> None:
+    rng = np.random.default_rng(8)
+    noise = rng.uniform(0.1, 1.0, (3, 12))
+    noise[1, 4] = 0.0  # known to be exact: no chi-square
+    many = fit_many_levels(rng.normal(size=(3, 12, 4)), rng.normal(size=(3, 12)), {"noise": noise}, between)
+    for at_once, asked in zip(many.fits(range(3), with_scatter=True), many.fits(range(3)), strict=True):
+        assert isinstance(at_once, TwoLevels)
+        assert isinstance(asked, TwoLevels)
+        assert at_once.between_interval == pytest.approx(asked.between_interval, rel=1e-14)
+        assert at_once.chi_square_known == pytest.approx(asked.chi_square_known, rel=1e-14, nan_ok=True)

@@ -104,7 +104,7 @@ def _reflector(column: Array) -> float:
         return 0.0
     size = np.sqrt(square) + abs(first)
     column[0] = size if first > 0.0 else -size
-    return 2.0 / (square - first * first + size * size)
+    return float(2.0 / (square - first * first + size * size))
 
 
 @reordered

@@ -189,23 +189,18 @@ class Levels:
 
     def _scatters(self, places: Sequence[int]) -> Array:
         """Return chi-square of the known covariances and both ends of the interval of tau, (places, 3)."""
-        given = (self.design, self.readings, self.fixed)
-        if self.contrasts is None:
-            none, tau = np.zeros((len(places), 0)), np.sqrt(self.squares[places])
-            contrasts, quantiles = (none, none, np.zeros(len(places))), (0.0, 0.0)
-        else:
-            known, pull, largest = self.contrasts
-            contrasts, quantiles = (known[places], pull[places], largest[places]), _quantiles(known.shape[1])
+        none = np.zeros((len(self.design), 0))
+        known, pull, largest = (none, none, self.squares) if self.contrasts is None else self.contrasts
+        low, high = (0.0, 0.0) if self.contrasts is None else _quantiles(known.shape[1])
         found = np.empty((len(places), 3))
-        fill_scatters(*[one[places] for one in given], *contrasts, *quantiles, found)
+        design, readings, fixed = self.design[places], self.readings[places], self.fixed[places]
+        fill_scatters(design, readings, fixed, known[places], pull[places], largest[places], low, high, found)
         if self.contrasts is None:
-            found[:, 1:] = tau[:, None]
+            found[:, 1:] = np.sqrt(self.squares[places])[:, None]
         return found
 
 
-def fit_many_levels(
-    design: Array, readings: Array, known: Mapping[str, Array], between: float | None = None
-) -> Levels:
+def fit_many_levels(design: Array, readings: Array, known: Mapping[str, Array], between: float | None = None) -> Levels:
     """Return the fits of many sets of readings: as `fit_two_levels` gives it of each.
 
     Parameters
@@ -385,9 +380,10 @@ def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
 
 
 @lru_cache
-def _quantiles(dof: int) -> tuple[float, ...]:
+def _quantiles(dof: int) -> tuple[float, float]:
     """Return the values that chi-square does not exceed with 97.5 and 2.5 %."""
-    return tuple(special.chdtri(dof, [0.025, 0.975]).tolist())
+    low, high = special.chdtri(dof, [0.025, 0.975]).tolist()
+    return low, high
 
 
 def _inverse(fixed: Array, square: float) -> Array:

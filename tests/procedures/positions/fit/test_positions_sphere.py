@@ -7,7 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.fit._kernels_sphere import shortest
+from inertialcal.procedures.positions.fit._kernels_sphere import fill_sizes, shortest
 from inertialcal.procedures.positions.fit.accelerometer import (
     NAMES,
     check_plane,
@@ -19,7 +19,7 @@ from inertialcal.procedures.positions.fit.accelerometer import (
     parts,
     variances,
 )
-from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
+from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX, decomposed, observe_many, told_by
 
 G = 9.80
 STEP = 1e-5
@@ -120,3 +120,23 @@ def test_shortest_solution_is_that_of_numpy(rows: int) -> None:
     np.testing.assert_allclose(found, np.linalg.lstsq(design, readings, rcond=0.02)[0], rtol=1e-10, atol=1e-12)
     with pytest.raises(np.linalg.LinAlgError):
         converged(np.full((rows, 3), np.nan), G, np.ones(rows), nominal(G), 0.02)
+
+
+def test_bounds_of_singular_values_hold_them_and_tell_what_these_tell() -> None:
+    """Well conditioned designs, bad ones, and one of too low a rank; each with a scatter small and large."""
+    rng = np.random.default_rng(4)
+    designs = rng.normal(size=(40, 12, 9)) * np.linspace(1.0, 0.0, 40)[:, None, None] ** np.arange(9.0)
+    sizes = np.empty((40, 2))
+    fill_sizes(designs, sizes)
+    each = np.linalg.svd(designs, compute_uv=False)
+    assert np.all(sizes[:, 0] <= each[:, -1] * (1.0 + 1e-9))
+    assert np.all(sizes[:, 1] >= each[:, 0] * (1.0 - 1e-9))
+    assert 0 < np.sum(sizes[:, 0] > 0.0) < 40
+    for scatter in (1e-6, 0.05):
+        own = np.full(40, scatter)
+        for one, other in zip(
+            observe_many(designs, NAMES, own), told_by(*decomposed(designs), NAMES, own), strict=True
+        ):
+            assert (one.rank, one.combinations, one.parts) == (other.rank, other.combinations, other.parts)
+            np.testing.assert_array_equal(one.determined, other.determined)
+            np.testing.assert_allclose(one.kept @ one.kept.T, other.kept @ other.kept.T, atol=1e-12)
