@@ -48,7 +48,7 @@ PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where
 PART = 250  # units in a file
 GROUP = 50  # units in a row group, or as many times that as stay below
 MANY = 10_000  # figures of them: what is in memory at a time
-MODEL_TEXT = "model.list.element.json"
+UNLIKE = frozenset({"json", "value", "u", "lo", "hi"})  # cells of lists: no two units have the same
 WRITERS = 2  # of files at a time
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE")
 SHOWN = ("number", "serial", "status", "reason_code", "reason", "verdict")
@@ -296,7 +296,7 @@ def _part(
         writer: pq.ParquetWriter | None = None
         for table in _groups(lot, ledger, noted, instead, range(first, last)):
             if writer is None:
-                often = [one for one in _leaves(table.schema) if one != MODEL_TEXT]  # no two model files are alike
+                often = list(_alike(table.schema))
                 opened = pq.ParquetWriter(new / name, table.schema, compression="zstd", use_dictionary=often)
                 writer = stack.enter_context(opened)
             writer.write_table(table)
@@ -328,11 +328,12 @@ def _groups(
             tables = []
 
 
-def _leaves(schema: pa.Schema) -> Iterator[str]:
-    """Yield the columns of a schema as a file names them."""
+def _alike(schema: pa.Schema) -> Iterator[str]:
+    """Yield the columns of a schema, as a file names them, whose cells come again."""
     for field in schema:
         if pa.types.is_list(field.type) and pa.types.is_struct(field.type.value_type):
-            yield from (f"{field.name}.list.element.{one.name}" for one in field.type.value_type)
+            cells = (one.name for one in field.type.value_type if one.name not in UNLIKE)
+            yield from (f"{field.name}.list.element.{one}" for one in cells)
         else:
             yield field.name
 
