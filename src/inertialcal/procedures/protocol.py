@@ -263,6 +263,10 @@ class Source(Protocol):
         """Return readings of a table in SI: counts through the chain, volts over the scale factor."""
         ...
 
+    def all_in_si(self, values: Array, unit: str, axes: Sequence[str]) -> Array:
+        """Return the same of several axes, shape (k, n)."""
+        ...
+
     def factor(self, unit: str, axis: str) -> float:
         """Return SI units a unit of the table, for differences."""
         ...

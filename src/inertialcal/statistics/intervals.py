@@ -27,6 +27,7 @@ from ..core.estimate import Array
 from ..core.results import Interval
 from ..core.show.rounding import freedom
 
+FEW = 64  # values whose factors are remembered
 ALIKE = 0.005  # of the logarithm of deviations that are taken together
 
 
@@ -109,11 +110,20 @@ def t_intervals(values: Array, u: Array, dof: Array, p: float = 0.95) -> list[In
     if len(dof) and np.all(dof == dof[0]):
         half = coverage_factor(float(dof[0]), p) * u
     else:
-        known = np.isinf(dof)
-        half = np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below)) * u
+        half = (_known_factors(dof.tobytes(), below) if len(dof) <= FEW else _factors(dof, below)) * u
     return [
         Interval.of_own(lo, hi, p) for lo, hi in zip((values - half).tolist(), (values + half).tolist(), strict=True)
     ]
+
+
+@lru_cache(maxsize=1024)  # a parameter stands among the figures of its test, and once more among those of the model
+def _known_factors(dof: bytes, below: float) -> Array:
+    return _factors(np.frombuffer(dof), below)
+
+
+def _factors(dof: Array, below: float) -> Array:
+    known = np.isinf(dof)
+    return np.asarray(np.where(known, special.ndtri(below), special.stdtrit(np.where(known, 1.0, dof), below)))
 
 
 def t_intervals_each(figures: Sequence[tuple[Array, Array, Array]], p: float = 0.95) -> list[list[Interval]]:

@@ -26,7 +26,7 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.results import Row
 from ...core.times import instant_text
-from ...core.unit.magnitudes import check_readings
+from ...core.unit.magnitudes import are_possible, check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
@@ -353,6 +353,14 @@ class Ready:
             found = convert(values, unit, si_unit(unit))
         check_readings(axis, found, si_unit(unit), self._table.where)
         return found
+
+    def all_in_si(self, values: Array, unit: str, axes: Sequence[str]) -> Array:
+        """Return the same of several axes, shape (k, n), at once where a factor is all."""
+        if kind(unit) not in RAW:
+            found = convert(values, unit, si_unit(unit))
+            if are_possible(found):
+                return found
+        return np.array([self.in_si(one, unit, axis) for one, axis in zip(values, axes, strict=True)])
 
     def factor(self, unit: str, axis: str) -> float:
         """Return SI units a unit of the table, for differences."""

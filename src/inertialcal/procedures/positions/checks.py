@@ -349,10 +349,10 @@ def _scatter_remarks(result: Result) -> list[Remark]:
     """Say what scatter nothing shows, and which stated one the readings contradict."""
     found, laid = [], result.acc.laid
     for kind, one in result.estimates.items():
-        unseen = sum(
-            (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
-            np.zeros(len(one.names)),
-        )
+        parts = [part.covariance.diagonal() for part in one.components if part.origin.level == JUDGED_BY_NOTHING]
+        if not parts:
+            continue
+        unseen = sum(parts, np.zeros(len(one.names)))
         names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]
         if not names:
             continue

@@ -384,7 +384,8 @@ def _check_lengths(table: Table, columns: Mapping[str, str], size: Array) -> Non
 
 def _triad(source: Source) -> Triad:
     table, rests = source.table(), cast("Rests", _entry(source).rests)
-    raw = kind(source.facts.si) in ("count", "voltage")  # its scale factor is to be found
+    si = source.facts.si
+    raw = kind(si) in ("count", "voltage")  # its scale factor is to be found
     reading, scatters = ({str(axis): n for axis, n in one.items()} for one in (rests.reading, rests.scatter or {}))
     # column -> its least value, and the value where it is not named
     wanted = [*((scatters.get(axis), 0.0, 0.0) for axis in AXES), (rests.samples, 1.0, 1.0)]
@@ -395,22 +396,21 @@ def _triad(source: Source) -> Triad:
         axis, row = np.argwhere(missing)[0].tolist()
         what = f"column {own[axis]!r}: the reading of this position is missing"
         raise DataError(what, table.where(row), do="Leave the row out", code="nan_in_required")
-    spread, rest = np.empty((len(wanted), len(table))), iter(numbers[3:])
-    for k, (name, least, absent) in enumerate(wanted):
-        spread[k] = absent if name is None else next(rest)
-        if name is not None and not (spread[k] >= least).all():
-            row = int(np.argmin(spread[k] >= least))
-            what = f"column {name!r}: {spread[k, row]:g}, need {least:g} or more"
-            raise DataError(what, table.where(row), code="wrong_value")
-    if raw:
-        mean = convert(numbers[:3], rests.unit, source.facts.si)
-        scale = np.array([factor(rests.unit, source.facts.si)] * 3)
-    else:
-        mean = np.array([source.in_si(one, rests.unit, axis) for one, axis in zip(numbers[:3], AXES, strict=True)])
-        scale = np.array([source.factor(rests.unit, axis) for axis in AXES])
+    spread, named = np.empty((len(wanted), len(table))), [k for k, (name, *_) in enumerate(wanted) if name is not None]
+    spread[:] = [[absent] for *_, absent in wanted]
+    spread[named] = numbers[3:]
+    small = ~(spread >= [[least] for _, least, _ in wanted])
+    if small.any():
+        at, row = np.argwhere(small)[0].tolist()
+        name, least, _ = wanted[at]
+        what = f"column {name!r}: {spread[at, row]:g}, need {least:g} or more"
+        raise DataError(what, table.where(row), code="wrong_value")
+    mean = convert(numbers[:3], rests.unit, si) if raw else source.all_in_si(numbers[:3], rests.unit, AXES)
+    scale = np.array([factor(rests.unit, si) if raw else source.factor(rests.unit, axis) for axis in AXES])
+    each = np.empty((len(table), len(AXES)))
+    each[:] = spread[3][:, None]
     columns = np.ascontiguousarray(mean.T), np.ascontiguousarray((spread[:3] * scale[:, None]).T)
-    count = spread[3].copy()
-    return Triad(*columns, np.repeat(count[:, None], len(AXES), axis=1), source.facts.si, count)
+    return Triad(*columns, each, si, spread[3].copy())
 
 
 def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:

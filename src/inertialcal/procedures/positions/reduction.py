@@ -42,7 +42,7 @@ from .checks import check_units, judged_scale, remarks_of, start_of
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_many_known, fit_many_unknown, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import NO_SCALE, FittedGyro, fit_gyro, problem_of, without_scale
-from .fit.linear_sensor import LinearSensor, after_corrections, rounded_scale, with_ideal
+from .fit.linear_sensor import LinearSensor, after_corrections, ends_of, rounded_scale, with_ideal
 from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
 from .fit.over_temperature import at_reference, check_over_temperature, over_temperature
 from .fit.prior import Judgement, check_prior, fit_prior
@@ -244,7 +244,8 @@ def _fit_many(plan: Plan, units: Sequence[_Unit]) -> list[Fitted | DataError]:
     """Return the fits of units of one plan: all of known orientation, or all of as many positions of which none is."""
     ideals, zeros = [one.ideal for one in units], [one.zero for one in units]
     if not _is_known(units[0].readings):
-        return fit_many_unknown(plan, [one.readings.acc for one in units], ideals, zeros)
+        corrected = any(one.readings.taken_off for one in units)
+        return fit_many_unknown(plan, [one.readings.acc for one in units], ideals, zeros, corrected)
     directions = [one.readings.direction for one in units]
     named = [(_named(one), one) for one in directions if one is not None]
     triads = [one.readings.acc.take(own) for one, (own, _) in zip(units, named, strict=True)]
@@ -272,7 +273,7 @@ def _refer(unit: _Unit) -> None:
 def _estimated(units: Sequence[_Unit]) -> list[tuple[dict[str, Estimate], dict[str, Terms]]]:
     """Return estimates and parameters of models of all sensors of each unit, by their kind."""
     places: list[tuple[int, Kind]] = []
-    given: list[tuple[LinearSensor, Kind, str, Array]] = []
+    seen, units_of = list[tuple[LinearSensor, Array]](), list[str]()
     for k, unit in enumerate(units):
         readings = unit.readings
         fits: tuple[tuple[Kind, Fitted | FittedGyro | None, Triad | None, list[Array]], ...] = (
@@ -282,14 +283,11 @@ def _estimated(units: Sequence[_Unit]) -> list[tuple[dict[str, Estimate], dict[s
         for kind, fit, triad, outputs in fits:
             if fit is None or triad is None:
                 continue
-            ends = np.zeros((3, 2))
-            for one in outputs:
-                x = fit.sensor.applied(one)
-                if len(x):
-                    ends[:, 0] = np.minimum(ends[:, 0], x.min(axis=0))
-                    ends[:, 1] = np.maximum(ends[:, 1], x.max(axis=0))
             places.append((k, kind))
-            given.append((fit.sensor, kind, triad.unit, ends))
+            seen.append((fit.sensor, outputs[0] if len(outputs) == 1 else np.concatenate([np.empty((0, 3)), *outputs])))
+            units_of.append(triad.unit)
+    given = [(sensor, kind, unit, ends) for (sensor, _), (_, kind), unit, ends
+             in zip(seen, places, units_of, ends_of(seen), strict=True)]  # fmt: skip
     estimates = estimate_many([one[:3] for one in given])
     found: list[tuple[dict[str, Estimate], dict[str, Terms]]] = [({}, {}) for _ in units]
     for (k, kind), estimated, terms in zip(places, estimates, terms_many(given, estimates), strict=True):

@@ -5,6 +5,7 @@ The sensor of the key says whose: ``accelerometer`` or ``gyro``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -117,9 +118,10 @@ def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, es
         ends = t_intervals(estimate.values, estimate.u, estimate.dof)
         make = Row.of_own if np.isfinite(estimate.values).all() and np.isfinite(estimate.u).all() else Row
         numbers = zip(estimate.values.tolist(), estimate.u.tolist(), estimate.dof.tolist(), strict=True)
+        keys = {name: key for name, key, _ in wanted}
         for name, one, (value, u, dof), between in zip(estimate.keys, estimate.units, numbers, ends, strict=True):
-            finite = dof if np.isfinite(dof) else None
-            figures[name] = make(name._replace(sensor=kind), value, u, one, finite, between, reason=limits)
+            finite = dof if math.isfinite(dof) else None
+            figures[name] = make(keys[name], value, u, one, finite, between, reason=limits)
     found = [
         figures[name] if name in figures and not (name.quantity in RELATIVE and name in why)
         else _absent_row(key, of, why.get(name, NO_LEVEL))
@@ -146,11 +148,16 @@ def _absent_row(key: Key, unit: str, reason: Reason) -> Row:
     return not_estimated(key, unit, reason)
 
 
+@lru_cache(maxsize=16)
+def _next_key(bias: Key) -> Key:
+    return bias._replace(quantity="bias_next_record")
+
+
 def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
     """Return the bias of the record that comes next, by that of this one."""
     found = []
     for k, row in enumerate(now):
-        key = row.key._replace(quantity="bias_next_record")
+        key = _next_key(row.key)
         onward = result.next_record.get(row.key.sensor, NO_LEVEL)
         if row.value is None or isinstance(onward, Reason):
             why = row.reason if row.value is None else onward

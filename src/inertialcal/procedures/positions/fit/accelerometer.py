@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +92,7 @@ class Fitted:
     wandering: Wandering | None = (
         None  # How a bias that wanders from rest to rest is seen; None where nothing is judged
     )
-    # shape (12, m, 3): the numbers per mean reading of each position; None where nothing is judged
+    # shape (12, m, 3): the numbers per mean reading of each position; None where nothing is judged, or nobody asks
     per_reading: Array | None = None
 
 
@@ -271,9 +271,12 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
 
 
 def fit_many_unknown(
-    plan: Plan, triads: Sequence[Triad], ideals: Sequence[Array], zeros: Sequence[Array]
+    plan: Plan, triads: Sequence[Triad], ideals: Sequence[Array], zeros: Sequence[Array], per_reading: bool = True
 ) -> list[Fitted | DataError]:
-    """Return what `fit_unknown` gives of each of many units with equal numbers of positions, or why it is refused."""
+    """Return what `fit_unknown` gives of each of many units with equal numbers of positions, or why it is refused.
+
+    ``per_reading``: whether the numbers per reading are asked for.
+    """
     m, g = len(triads[0].mean), local_gravity(plan)
     _check_count(m)
     both = [normalised(*one) for one in zip(triads, ideals, zeros, strict=True)]
@@ -305,7 +308,7 @@ def fit_many_unknown(
         for k, one in zip(at.tolist(), last, strict=True):
             observed[k] = one
         where = [(ideals[sound[k]], zeros[sound[k]]) for k in at]
-        judged = _judged(plan, r[at], inside[at], end, kept, found, last, where)
+        judged = _judged(plan, r[at], inside[at], end, kept, found, last, where, per_reading)
         for k, whole in zip(sound[at].tolist(), judged, strict=True):
             fitted[k] = whole
     return [one for one in fitted if one is not None]
@@ -327,6 +330,7 @@ def _judged(
     found: Sequence[TwoLevels | DataError | None],
     observed: Sequence[Observability],
     where: Sequence[tuple[Array, Array]],
+    per_reading: bool,
 ) -> list[Fitted | DataError]:
     """Return the fits of units of as many positions each, from where the search ended and what judges it.
 
@@ -344,6 +348,8 @@ def _judged(
         What `_second_level` gives.
     where : sequence of (ndarray, ndarray)
         Ideal scale factor and zero of each unit.
+    per_reading : bool
+        Whether the numbers per reading are asked for.
     """
     g = local_gravity(plan)
     e, jacobian, u = lengths(theta, r, g)
@@ -360,16 +366,18 @@ def _judged(
         fitted_jacobian = jacobian[at][kept[at]].reshape(len(at), -1, 9)
         fitted_noise = noise[at][kept[at]].reshape(len(at), -1)
         gain = back @ np.array([one.gain for one in fits])
-        numbers = np.zeros((len(at), 12, kept.shape[1], 3))
-        numbers.swapaxes(1, 2)[kept[at]] = (
-            (gain[..., None] * fitted_jacobian[:, None, :, 6:]).swapaxes(1, 2).reshape(-1, 12, 3)
-        )
+        numbers: Array | None = None
+        if per_reading:
+            numbers = np.zeros((len(at), 12, kept.shape[1], 3))
+            numbers.swapaxes(1, 2)[kept[at]] = (
+                (gain[..., None] * fitted_jacobian[:, None, :, 6:]).swapaxes(1, 2).reshape(-1, 12, 3)
+            )
         own = propagated(back[:, 9:], np.array([one.parts[INSIDE] for one in fits])).diagonal(axis1=1, axis2=2)
         each = many_sources(fits, back, plan.standards, fitted_noise)
         for i, (k, fitted) in enumerate(zip(at.tolist(), fits, strict=True)):
             place, loading = np.flatnonzero(kept[k]), fitted_jacobian[i, :, 6:]
             seen = Wander(fitted.projector, fitted.residuals, fitted.free, fitted.between**2, place, loading)
-            gains[k] = Wandering(seen, gain[i, 9:], own[i]), numbers[i]
+            gains[k] = Wandering(seen, gain[i, 9:], own[i]), None if numbers is None else numbers[i]
             sources[k] = [*each[i], *_undetermined(observed[k], to_values[k], g)]
     made: list[Fitted | DataError] = []
     for k, (fit, one, (ideal, zero)) in enumerate(zip(found, observed, where, strict=True)):
@@ -378,8 +386,7 @@ def _judged(
             continue
         determined = determined_forward(one.determined)
         sensor = sensor_of(plan, values[k], sources.get(k), determined, ideal, zero, of_frame=True)
-        wandering, per_reading = gains.get(k, (None, None))
-        made.append(finished(sensor, one, ~kept[k], e[k, :, None], fit, False, wandering, per_reading))
+        made.append(finished(sensor, one, ~kept[k], e[k, :, None], fit, False, *gains.get(k, (None, None))))
     return made
 
 
@@ -508,13 +515,9 @@ def sensor_of(
     of_frame: bool = False,
 ) -> LinearSensor:
     """Gather values, sources and reasons; no sources: nothing judges the numbers."""
-    names = (*MATRIX, *BIAS)
-    reasons = {k: NOT_TOLD for k in range(12) if not determined[k]}
-    if of_frame:
-        reasons |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
+    reasons = _reasons(determined.tobytes(), of_frame, sources is None)
     if sources is None:
-        reasons |= {k: NOTHING_LEFT for k in range(12) if k not in reasons}
-        return LinearSensor(values, (), reasons, ideal, zero, names)
+        return LinearSensor(values, (), reasons, ideal, zero)
     gravity = plan.standards.get("gravity.value")  # moves all positions alike, as the mounting does
     if gravity is not None:
         change = np.concatenate([-values[:9], np.zeros(3)]) * gravity.u / local_gravity(plan)
@@ -524,7 +527,18 @@ def sensor_of(
     mounting = plan.standards.get("fixture.mounting")
     if mounting is not None and not of_frame:
         sources.append(mounting_source(values, mounting.u, plan))
-    return LinearSensor(values, tuple(sources), reasons, ideal, zero, names)
+    return LinearSensor(values, tuple(sources), reasons, ideal, zero)
+
+
+@lru_cache(maxsize=64)  # the same of all units whose positions determine the same
+def _reasons(determined: bytes, of_frame: bool, nothing_left: bool) -> Mapping[int, Reason]:
+    """Return why numbers are not estimated: of which it is known what is determined, a byte each."""
+    found = {k: NOT_TOLD for k in range(12) if not determined[k]}
+    if of_frame:
+        found |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
+    if nothing_left:
+        found |= {k: NOTHING_LEFT for k in range(12) if k not in found}
+    return found
 
 
 def mounting_source(values: Array, u: float, plan: Plan) -> Source:

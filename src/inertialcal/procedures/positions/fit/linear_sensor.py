@@ -118,6 +118,23 @@ class LinearSensor:
         return np.asarray((self.normalised(output) - self.offset) @ np.linalg.inv(self.matrix).T)
 
 
+def ends_of(seen: Sequence[tuple[LinearSensor, Array]]) -> Array:
+    """Return the least and the largest of the inputs that gave outputs, shape (n, 3), and zero, (sensors, 3, 2)."""
+    found = np.zeros((len(seen), 3, 2))
+    alike: dict[int, list[int]] = {}
+    for k, (_, output) in enumerate(seen):
+        alike.setdefault(len(output), []).append(k)
+    for n, at in alike.items():
+        if n:
+            own, output = [seen[k][0] for k in at], np.array([seen[k][1] for k in at])
+            zero, ideal = (np.array([[getattr(one, name)] for one in own]) for name in ("zero", "ideal"))
+            values = np.array([one.values[:12] for one in own])
+            back = np.linalg.inv(values[:, :9].reshape(-1, 3, 3)).swapaxes(1, 2)
+            x = ((output - zero) / ideal - values[:, None, 9:]) @ back
+            found[at, :, 0], found[at, :, 1] = np.minimum(x.min(axis=1), 0.0), np.maximum(x.max(axis=1), 0.0)
+    return found
+
+
 def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     """Return the same sensor relative to another ideal scale factor and zero."""
     if np.array_equal(sensor.ideal, ideal) and np.array_equal(sensor.zero, zero):
