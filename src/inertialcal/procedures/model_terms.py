@@ -187,10 +187,14 @@ def _joined(parts: Sequence[ModelTerms], estimate: Estimate | None) -> ModelTerm
     axes = tuple(dict.fromkeys(axis for one in parts for axis in one.axes))
     scaled = next((one for one in parts if one.output_unit is not None or _is_scaled(one)), parts[0])
     origins: dict[tuple[int, ...], Provenance] = {}  # of terms that come from the same
+    came: dict[Key, list[Provenance]] = {}
+    for part in parts:
+        for key, own in part.provenance.items():
+            came.setdefault(key, []).append(own)
     provenance = {}
     for key in keys:
-        found = [one.provenance[key] for one in parts if key in one.provenance]
-        same = tuple([id(one) for one in found])
+        found = came.get(key, [])
+        same = tuple(map(id, found))
         provenance[key] = origins[same] if same in origins else origins.setdefault(same, _origins(found))
     return changed(
         scaled,

@@ -303,8 +303,8 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
             what = f"power-up runs were not given: each of {recordings} recordings is taken as a power-up"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
     for axis in readings.turned.axes:
-        rates = readings.applied[readings.axis == axis]
-        if not (np.any(rates > 0.0) and np.any(rates < 0.0)):
+        lowest, highest = readings.turned.span(axis)
+        if not lowest < 0.0 < highest:
             what = f"{axis} was turned in one sense only: its asymmetry, and how it reads the other sense, are unknown"
             found.append(Remark("one_sense", "warning", what, do="Turn it both ways"))
     for axis in readings.sensors:

@@ -162,6 +162,7 @@ class Turned:
         self._straight: dict[bytes, Decomposed] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
+        self._spans: dict[str, tuple[float, float]] = {}
 
     def line(self, sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()) -> LineDesign:
         """Return the design of a line of a sensor."""
@@ -169,6 +170,13 @@ class Turned:
         if key not in self._lines:
             self._lines[key] = LineDesign(self, *key)
         return self._lines[key]
+
+    def span(self, axis: str) -> tuple[float, float]:
+        """Return the lowest and the highest rate that an axis was turned at, or 0 [rad/s]; 0 where it was not."""
+        if axis not in self._spans:
+            rates = self.applied[self.axis == axis]
+            self._spans[axis] = float(np.fmin.reduce(rates, initial=0.0)), float(np.fmax.reduce(rates, initial=0.0))
+        return self._spans[axis]
 
     @cached_property
     def runs_about(self) -> tuple[RunAbout, ...]:

@@ -43,6 +43,7 @@ PATHS = Reason("paths_or_runs", "one run alone shows warming, or cooling: what t
 LONG = Reason("warm_up_long", "the start-up takes longer than the stay at the first temperature: stay longer")
 QUIET = "no transient after power-up above the noise"
 RAMPS = "from one run: excludes scatter between power-ups"
+LEVEL_LIMITS = {"run": "", "ramp": RAMPS, "block": BLOCKS}
 RANGE = Reason("range", "end of the temperature range of the polynomial, as read; no uncertainty")
 BEHIND = Reason("limits", "delay of the bias behind the thermometer")
 FEW_SAMPLES = Reason("few_samples", "no cell has three samples")
@@ -150,8 +151,12 @@ def _polynomial_rows(result: Result, axis: str, one: OfSensor, own: Mapping[Key,
 
 def _limits(result: Result, one: OfSensor) -> Reason:
     """Return what limits the figures of a sensor."""
-    missing = any(name not in result.plan.standards for name in needed(result.plan))
-    words = (_level_limits(one), "relative to the unit's own thermometer and converter" if missing else "")
+    return _limits_of(_level_limits(one), any(name not in result.plan.standards for name in needed(result.plan)))
+
+
+@cache
+def _limits_of(level: str, missing: bool) -> Reason:
+    words = (level, "relative to the unit's own thermometer and converter" if missing else "")
     return Reason("limits", "; ".join(filter(None, words)))
 
 
@@ -164,7 +169,7 @@ def _one_path_rows(result: Result, axis: str, one: OfSensor, on_path: Mapping[Ke
 
 
 def _level_limits(one: OfSensor) -> str:
-    return {"run": "", "ramp": RAMPS, "block": BLOCKS}[one.law.level]
+    return LEVEL_LIMITS[one.law.level]
 
 
 def needed(plan: Plan) -> tuple[str, ...]:

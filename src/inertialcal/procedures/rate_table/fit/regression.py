@@ -172,7 +172,7 @@ def lines(
 
     Every line is the same, to the bit, as that of its unit alone.
     """
-    used = [one.take(np.isfinite(one.outputs[sensor])) for one in units]
+    used = _read(units, sensor)
     found: dict[int, Line | DataError] = {}
     alike: dict[int, tuple[LineDesign, Decomposed, list[int]]] = {}
     for i, one in enumerate(used):
@@ -191,6 +191,14 @@ def lines(
     for design, plain, members in alike.values():
         found.update(zip(members, _alike(design, plain, [used[i] for i in members]), strict=True))
     return [found[i] for i in range(len(used))]
+
+
+def _read(units: Sequence[Readings], sensor: str) -> list[Readings]:
+    """Return the dwells of each unit that a sensor was read in, without traces."""
+    outputs = [one.outputs[sensor] for one in units]
+    if len({len(one) for one in outputs}) == 1 and np.isfinite(np.array(outputs)).all():
+        return [one.changed(traces=()) if one.traces else one for one in units]
+    return [one.take(np.isfinite(own)) for one, own in zip(units, outputs, strict=True)]
 
 
 def _not_told_apart(one: Readings, design: LineDesign, error: DataError) -> DataError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import permutations
 from typing import Any
 
@@ -167,26 +167,41 @@ def check_alike(tests: Sequence[Turned]) -> None:
 
 def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
     """Return the terms that a joint reduction gives."""
-    axes = tuple(axis for axis in tests[0].facts.axes if axis in result.lines)
+    axes = tuple([axis for axis in tests[0].facts.axes if axis in result.lines])
     estimate, referenced = result.estimate, result.plan.zero_reference
-    curved = {Key(CURVATURES[name], sensor) for sensor, line in result.lines.items() for name in line.curvature}
-    keys = () if estimate is None else tuple(
-        key for key in estimate.keys
-        if (key.quantity in TERM or key in curved) and set(key.axis) <= set(axes)
-        and not (key.quantity == "bias" and referenced)
-    )  # fmt: skip
-    provenance = {sensor: _provenance(sensor, tests) for sensor in dict.fromkeys(key.axis[0] for key in keys)}
+    curved = tuple([Key(CURVATURES[name], sensor) for sensor, line in result.lines.items() for name in line.curvature])
+    keys = () if estimate is None else _parameters(estimate.keys, curved, axes, referenced)
+    provenance = {sensor: _provenance(sensor, tests) for sensor in axes}
+    missing = [row for row in result.rows() if row.status == "not_estimated" and row.case.plain]
     return ModelTerms(
         estimate,
         keys,
         axes,
         {key: provenance[key.axis[0]] for key in keys},
-        {str(Key(quantity, axis)): NOT_SEEN for quantity in CURVATURES.values() for axis in axes}
-        | {str(row.key): row.reason.text for row in result.rows() if row.status == "not_estimated" and row.case.plain},
+        _not_seen(axes) | {str(row.key): row.reason.text for row in missing},
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         referenced=referenced,
     )
+
+
+@lru_cache(maxsize=256)  # the same of all units of a lot
+def _parameters(
+    keys: tuple[Key, ...], curved: tuple[Key, ...], axes: tuple[str, ...], referenced: bool
+) -> tuple[Key, ...]:  # fmt: skip
+    """Return the keys of an estimate that are parameters of the model."""
+    return tuple(
+        key
+        for key in keys
+        if (key.quantity in TERM or key in curved)
+        and set(key.axis) <= set(axes)
+        and not (key.quantity == "bias" and referenced)
+    )
+
+
+@lru_cache(maxsize=256)
+def _not_seen(axes: tuple[str, ...]) -> dict[str, str]:
+    return {str(Key(quantity, axis)): NOT_SEEN for quantity in CURVATURES.values() for axis in axes}
 
 
 def _provenance(sensor: str, tests: Sequence[Turned]) -> Provenance:
@@ -198,12 +213,7 @@ def _provenance(sensor: str, tests: Sequence[Turned]) -> Provenance:
 
 def _input_range(result: Result, axes: tuple[str, ...]) -> Array:
     """Rates that each axis was turned at; an axis that was not turned has no range."""
-    ranges = []
-    for axis in axes:
-        readings = result.lines[axis].readings
-        rates = readings.applied[readings.axis == axis]
-        ranges.append((min(rates.min(), 0.0), max(rates.max(), 0.0)) if len(rates) else (0.0, 0.0))
-    return np.array(ranges)
+    return np.array([result.lines[axis].readings.turned.span(axis) for axis in axes])
 
 
 def _run_to_run(result: Result, axes: tuple[str, ...]) -> Array | None:
