@@ -25,6 +25,7 @@ FURTHEST = 2.0**19  # standard uncertainties: beyond, there is no limit
 POWER, TIME, LIMIT, MISSED = range(4)  # what a root is looked for of, see `root_of`
 STEEP = 1e6  # rise of the cost that is not looked into
 MOST_ROOTS, EXACT = 200, 4.0 * float(np.finfo(float).eps)  # steps towards a root; relative, closer than which none goes
+SEEN = 32  # steps towards what encloses a root that are kept for another one
 MOST_SWEEPS, NO_ANGLE = 30, 1e-34  # of rotations; relative square of the elements that they leave
 HALF_ROOT = float(np.sqrt(0.5))
 
@@ -360,7 +361,7 @@ def _beyond(rise: float, x: float, stretch: float, short: float, missed: bool) -
 def root_of(
     columns: Array, table: Array, data: Array, wanted: NDArray[np.bool_], at: int, lo: float, hi: float,
     spacings: Array, way: int, start: float, by: float, least: float, step: float, target: float, furthest: float,
-    short: float, tolerance: float, powers: Array,
+    short: float, tolerance: float, powers: Array, seen: Array,
 ) -> float:  # fmt: skip
     """Return the distance at which the cost has risen enough over the least one, NaN where it never does.
 
@@ -372,16 +373,22 @@ def root_of(
     - `LIMIT`: it is that of a power from its start, in ``by``, the target is the stretch, and the power is ruled out;
     - `MISSED`: the same of a term of which ``short`` is what the power lacks of being named.
 
-    ``powers`` is work space.
+    ``powers`` is work space. ``seen`` (`SEEN`) are costs at steps until the root is enclosed, NaN where these are not
+    known; they are filled in, and hold for another target or tolerance.
     """
     root, most, limit = np.sqrt(target), max(STEEP, 4.0 * target), way >= LIMIT
     near, x = (tolerance, step) if limit else (0.0, 0.0)
     state, inside, outside, below, above = np.zeros(8), 0.0, 0.0, 0.0, 0.0
-    from_inside, from_outside, between = False, False, False
+    from_inside, from_outside, between, doubled = False, False, False, 0
     for _ in range(MOST_ROOTS):
-        value = start * np.exp(by + x) if way == POWER else start + x * by
-        a, b = (value, value) if way == TIME else (lo, hi)
-        cost = fit_of(columns, table, data, wanted, -1 if way == TIME else at, value, a, b, spacings, powers)[1]
+        known = SEEN if between or (x == near and limit) else 0 if x == near else 1 + doubled
+        cost = seen[known] if known < SEEN else np.nan
+        if np.isnan(cost):
+            value = start * np.exp(by + x) if way == POWER else start + x * by
+            a, b = (value, value) if way == TIME else (lo, hi)
+            cost = fit_of(columns, table, data, wanted, -1 if way == TIME else at, value, a, b, spacings, powers)[1]
+            if known < SEEN:
+                seen[known] = cost
         if limit:
             rise = _beyond(cost - least, x, target, short, way == MISSED)
         else:  # nearly straight, where the rise is a parabola
@@ -398,6 +405,7 @@ def root_of(
             outside, above, from_outside = x, rise, True
         if not between:
             if not from_outside:
+                doubled += int(x != near)
                 x = step if x == near else 2.0 * x
                 x = x if abs(x) < abs(furthest) else furthest
                 continue

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled, inlined
-from ._kernels import LIMIT, Indices, fill_known, fill_spread, fit_of, root_of
+from ._kernels import LIMIT, SEEN, Indices, fill_known, fill_spread, fit_of, root_of
 
 BY = 0.05  # rows of the table, to either side, for a slope
 Spread = tuple[Array, Array, Array]  # Squares, what filters take with its slopes, and the covariance of these
@@ -132,11 +132,12 @@ def ended_at(
     filled with the powers of least cost and their position.
     """
     p = columns.shape[1]
-    x, level, last = 0.0, stretch, np.nan
+    x, level, last, seen = 0.0, stretch, np.nan, np.full(SEEN, np.nan)
     for closely in range(2):
         x = root_of(
             columns, table, data, wanted, at, lo, hi, spacings[:2], way, start, by, least, step, target * level,
             furthest, short, rules[6 + closely], ended[: p + 1] if closely == 0 else np.empty(p + 1),
+            seen,
         )  # fmt: skip
         if closely == 1 or np.isnan(x):
             break

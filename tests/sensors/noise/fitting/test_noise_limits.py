@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from noise_records import exact_run
 from scipy import optimize, special
 
+from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise import _kernels as kernels
-from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
+from inertialcal.sensors.noise.fitting.likelihood import SPACINGS, covariance_of_runs, estimate, sandwich, terms_wanted
 from inertialcal.sensors.noise.fitting.limits import (
     Held,
     Missing,
@@ -68,6 +69,27 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
         x, _ = end_of(held, float(best.powers[at]), best.cost, stretch, CHI_SQUARE, step, furthest)
         assert x is not None
         assert rise(problem, float(np.exp(x))) == pytest.approx(CHI_SQUARE * stretch, rel=0.03)
+
+
+@pytest.mark.parametrize("way", [kernels.POWER, kernels.LIMIT])
+@pytest.mark.parametrize("step", [0.01, 1.0])
+def test_a_root_beside_costs_that_were_seen_is_the_same(way: int, step: float) -> None:
+    problem, at = white(100)
+    best = estimate(problem, WHITE)
+    start, wanted, powers = float(best.powers[at]), terms_wanted(WHITE, 0), np.empty(len(problem.names) + 1)
+
+    def root(target: float, tolerance: float, seen: Array) -> float:
+        return kernels.root_of(
+            problem.columns, problem.table, problem.data, wanted, at, 0.0, 0.0, SPACINGS[:2], way, start,
+            0.0 if way == kernels.POWER else 0.1 * start, best.cost, step, target, 40.0, 0.0, tolerance, powers, seen,
+        )  # fmt: skip
+
+    seen = np.full(kernels.SEEN, np.nan)
+    for target, tolerance in ((3.8, 0.1), (5.1, 1e-3), (1.2, 1e-3), (3.8, 1e-3)):
+        fresh = root(target, tolerance, np.full(kernels.SEEN, np.nan))
+        assert np.isfinite(fresh)
+        assert root(target, tolerance, seen) == fresh
+    assert np.isfinite(seen).sum() >= 2
 
 
 def test_the_degrees_of_freedom_of_a_longer_record_are_those_of_white_noise() -> None:

@@ -44,7 +44,7 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import POWER, TIME, Indices, root_of
+from .._kernels import POWER, SEEN, TIME, Indices, root_of
 from .._kernels_each import end_each, limit_each
 from ..terms import Sinusoid
 from .filtered import Band
@@ -198,6 +198,7 @@ class Held:
         found = root_of(
             of.columns, of.table, of.data, wanted, self.at, *self.within, SPACINGS[:2], TIME if timed else POWER, start,
             PER_E if timed else first, least, step, target, furthest, 0.0, tolerance, powers,
+            np.full(SEEN, np.nan),
         )  # fmt: skip
         return None if np.isnan(found) else found
 
