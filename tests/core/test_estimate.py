@@ -89,7 +89,7 @@ def test_whether_parts_join_to_fewer_degrees_of_freedom_than_asked() -> None:
     each, asked = np.exp(rng.uniform(-1.0, 8.0, size=(2, 2000)))
     joined = joined_dof(list(variances), [each] * 3)
     clear = np.abs(joined - asked) > 1e-6 * asked
-    found = (each < asked) & (fewer_joined(variances, asked)(each) > 1.0)
+    found = (each < asked) & (fewer_joined(variances, asked)(each, np.arange(len(each))) > 1.0)
     assert np.array_equal(found[clear], (joined < asked)[clear])
 
 

@@ -162,7 +162,7 @@ def _freedom_series() -> tuple[Array, float]:
     return np.asarray(chebyshev.chebfit(nodes, 0.5 * (low + high) / excess, TERMS - 1)), most
 
 
-def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], Array]:
+def fewer_joined(variances: Array, dof: Array) -> Callable[[Array, NDArray[np.intp]], Array]:
     """Return whether parts with the same degrees of freedom join to fewer than so many, without what they join to.
 
     Parameters
@@ -175,8 +175,9 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], Array]:
     Returns
     -------
     callable
-        Of finite degrees of freedom of all parts, shape (k,), below those asked about: a number above 1 where they join
-        to fewer, which falls steadily with them; infinite where they join to what each has, shape (k,).
+        Of finite degrees of freedom of all parts, shape (n,), below those asked about, and the places of these among
+        them: a number above 1 where they join to fewer, which falls steadily with them; infinite where they join to
+        what each has, shape (n,).
     """
     from scipy import special  # noqa: PLC0415 - as in `joined_dof`
 
@@ -187,10 +188,10 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], Array]:
     largest = special.stdtrit(dof, p) ** 2
     least = np.maximum(largest - z_square, NO_EXCESS)
 
-    def beyond(each: Array) -> Array:
+    def beyond(each: Array, at: NDArray[np.intp]) -> Array:
         own = special.stdtrit(each, p) ** 2 - z_square
-        excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
-        return np.asarray(np.where(excess >= own * (1.0 - SYMMETRY), np.inf, excess / least))
+        excess = np.sum(share[:, at] ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
+        return np.asarray(np.where(excess >= own * (1.0 - SYMMETRY), np.inf, excess / least[at]))
 
     return beyond
 

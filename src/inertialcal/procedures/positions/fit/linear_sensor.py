@@ -271,29 +271,35 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     return found
 
 
-def _falls_to_one(beyond: Callable[[Array], Array], low: float, high: Array) -> Array:
+def _falls_to_one(beyond: Callable[[Array, NDArray[np.intp]], Array], low: float, high: Array) -> Array:
     """Return the logarithm at which a function that falls with it is one, shape (k,), by secants of its own.
 
     Infinite where it is above one up to the end, ``low`` where it is below one from the start.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        below, above, old = np.full(len(high), low), high.copy(), high.copy()
-        value = np.log(beyond(np.exp(old)))
-        endless, never = value > 0.0, np.isneginf(value)
+        value = np.log(beyond(np.exp(high), np.arange(len(high))))
+        found = np.where(value > 0.0, np.inf, low)
+        left = np.flatnonzero(~((value > 0.0) | np.isneginf(value)))
+        old, value = high[left], value[left]
+        below, above, before = np.full(len(left), low), old, np.full(len(left), np.inf)
         at = np.clip(old + value, below, above)  # it falls about as the inverse
-        done = endless | never
         for _ in range(SECANTS):
-            new = np.log(beyond(np.exp(at)))
+            if not len(left):
+                break
+            new = np.log(beyond(np.exp(at), left))
             below, above = np.where(new > 0.0, at, below), np.where(new > 0.0, above, at)
             step = -new * (at - old) / (new - value)
+            there = (new == 0.0) | (np.abs(step) <= ENOUGH)  # by rounding the step may lead out of the bracket
+            inside = (at + step > below) & (at + step < above)
             old, value = at, new
-            next_at = np.where((old + step > below) & (old + step < above), old + step, 0.5 * (below + above))
-            here = (new == 0.0) | (np.abs(step) <= ENOUGH)  # by rounding the step may lead out of the bracket
-            at = np.where(done | here, old, next_at)  # whatever else is looked for at once
-            done |= np.abs(at - old) <= ENOUGH
-            if done.all():
-                break
-    return np.where(endless, np.inf, np.where(never, low, at))
+            at = np.where(there, old, np.where(inside, old + step, 0.5 * (below + above)))
+            found[left] = at
+            # what a secant leaves is about the product of the last two steps, and less here
+            going = ~(there | (inside & (np.abs(step * before) <= ENOUGH)) | (np.abs(at - old) <= ENOUGH))
+            left, old, value, below, above, at, before = (
+                one[going] for one in (left, old, value, below, above, at, step)
+            )
+    return found
 
 
 def _scatter(per_square: Array, square: Array) -> Array:
