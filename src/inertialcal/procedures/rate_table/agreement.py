@@ -276,11 +276,12 @@ class _Figures:
         if (dof >= SURE).all():
             return scale, dof
         own, least, shared = self.own[[one[0] for one in self.sets]], scale.copy(), dof.copy()
-        for u in range(len(scale)):
-            for kind in (own, ~own):
-                like = kind & (dof[u] > 0.0)
-                if like.any():
-                    least[u, kind], shared[u, kind] = median(scale[u, like].tolist()), sum(dof[u, like].tolist())
+        for kind in (own, ~own):
+            known = dof[:, kind] > 0.0  # (units, k)
+            middle = medians(np.where(known, scale[:, kind], np.nan))
+            total = np.where(known, dof[:, kind], 0.0).sum(axis=1)
+            for out, one in ((least, middle), (shared, total)):
+                out[:, kind] = np.where(known.any(axis=1), one, out[:, kind].T).T
         sure = dof >= SURE
         return np.where(sure, scale, np.maximum(scale, least)), np.where(sure, dof, shared)
 
