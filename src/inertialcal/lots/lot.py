@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from .archiving import LotArchive
     from .study import Study
 
-MOST, SHARES = 50, 8  # units that are worked on together; blocks that a small lot is parted in
+MOST, SHARES = 100, 8  # units that are worked on together; blocks that a small lot is parted in
+FEWER, HEAVY = 50, 50_000_000  # the most of units with much to read: more bytes of recordings would be together
 SMALL, LIGHT = (200, 32), 1_000_000  # the same of units with little to read: so many bytes of recordings together
 NEVER_KEPT = frozenset({"unreachable", "worker_killed"})  # reasons that say nothing of the recordings: tried again
 SECOND = 1.0  # between two lines of progress
@@ -349,9 +350,13 @@ class _Lot:
     def block(self) -> int:
         """Units that are worked on together; no figure depends on it. What few bytes tell is read fastest by many."""
         n, (most, shares) = len(self.given), SMALL
-        usual = max(1, min(MOST, n // SHARES))
-        larger = min(most, n // shares)
-        return max(usual, min(larger, int(LIGHT / (self._bytes_of_unit() or LIGHT)))) if larger > usual else usual
+        usual, larger = max(1, min(MOST, n // SHARES)), min(most, n // shares)
+        if usual <= FEWER and larger <= usual:
+            return usual
+        size = self._bytes_of_unit() or LIGHT
+        if usual * size > HEAVY:
+            usual = min(usual, FEWER)
+        return max(usual, min(larger, int(LIGHT / size)))
 
     def _bytes_of_unit(self) -> float:
         """Return how large the recordings of a unit are, as they lie: a file of several units is shared among them."""
