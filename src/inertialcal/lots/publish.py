@@ -45,7 +45,7 @@ LOT, UNITS, PROVENANCE = "lot.json", "units", "provenance.json"
 NEW = "units.new"
 REPORT = "report.html"
 PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where LOT.toml does not say
-PART = 250  # units in a file
+PART = 200  # units in a file: whole blocks
 GROUP = 50  # units in a row group, or as many times that as stay below
 MANY = 10_000  # figures of them: what is in memory at a time
 UNLIKE = frozenset({"json", "value", "u", "lo", "hi"})  # cells of lists: no two units have the same
@@ -312,7 +312,7 @@ def _groups(
     lot: Lot, ledger: Ledger, noted: Sequence[Noted], instead: Mapping[int, bytes], units: range
 ) -> Iterator[pa.Table]:
     """Yield the rows of units, as many together as a row group holds: by what is in them, not by their blocks."""
-    read = lru_cache(maxsize=4)(lambda block: _table(ledger.rows(block)))  # units done again stand among others
+    read = lru_cache(maxsize=3)(lambda block: _table(ledger.rows(block)))  # units done again stand among others
     tables: list[pa.Table] = []
     for start in units[::GROUP]:
         numbers = range(start, min(start + GROUP, units.stop))

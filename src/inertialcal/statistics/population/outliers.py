@@ -37,7 +37,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate, optimize, special
+from scipy import optimize, special
 
 from ...core.estimate import Array
 
@@ -293,6 +293,8 @@ def _middle_of_f(dof: Array, prior: float) -> Array:
     few, which = np.unique(dof, return_inverse=True)
     if few.size <= NODES:
         return np.asarray(special.fdtri(few, prior, 0.5)[which])
+    from scipy import interpolate  # noqa: PLC0415 - starts slowly
+
     nodes = np.linspace(math.log(few[0]), math.log(few[-1]), NODES)
     spline = interpolate.CubicSpline(nodes, np.log(special.fdtri(np.exp(nodes), prior, 0.5)))
     return np.asarray(np.exp(spline(np.log(dof))))
